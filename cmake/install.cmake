@@ -63,6 +63,7 @@ if(SVOCL_PYTHON)
   svocl_run_in_place(svocl_python ${svocl_python_dir}/svocl)
   install(TARGETS svocl_python LIBRARY DESTINATION ${svocl_python_dir}/svocl COMPONENT svocl_python)
   install(FILES ${svocl_python_types} DESTINATION ${svocl_python_dir}/svocl COMPONENT svocl_python)
+  install(FILES ${svocl_python_page} DESTINATION ${svocl_python_dir}/svocl/page COMPONENT svocl_python)
   install(
     DIRECTORY python/src/svocl
     DESTINATION ${svocl_python_dir}

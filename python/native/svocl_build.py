@@ -17,7 +17,7 @@ from scikit_build_core import build
 from scikit_build_core.build import *  # the other hooks  # noqa: F403
 
 PACKAGE = ("CMakeLists.txt", "README.md", "pyproject.toml", "examples", "native", "src", "tests")
-LIBRARY = ("CMakeLists.txt", "LICENSE", "cmake", "include", "kernels", "lib")
+LIBRARY = ("CMakeLists.txt", "LICENSE", "cmake", "include", "kernels", "lib", "tools/web")
 
 
 def build_sdist(  # type: ignore[no-redef]

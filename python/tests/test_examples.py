@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""The examples run: the script as a program, the notebook cell by cell in a kernel of its own."""
+"""The examples run: scripts as programs, the notebook cell by cell in a kernel of its own, the gallery in this one."""
 
+import importlib.util
 import pathlib
 import re
+import runpy
 import subprocess
 import sys
 
@@ -50,6 +52,30 @@ def test_bake(tmp_path):
     assert np.abs(np.clip(coded, 0, 1) * 255 - pixels[..., 0]).max() <= 1
 
 
+GALLERY = sorted((EXAMPLES / "gallery").glob("*.py"))
+
+
+@pytest.mark.parametrize("path", GALLERY, ids=[path.stem for path in GALLERY])
+def test_gallery(path):
+    """Each script of docs/gallery.md draws something, at a low resolution."""
+    picture = runpy.run_path(str(path))["picture"](depth=5, width=64)
+    assert picture.shape[:2] == (48, 64) and picture.dtype == np.uint8
+    assert len(np.unique(picture.reshape(-1, picture.shape[2]), axis=0)) > 40
+
+
+def test_gallery_page():
+    """docs/gallery.md shows each script as it is, and a picture of it."""
+    docs = EXAMPLES.parents[1] / "docs"
+    if not (docs / "gallery.md").exists():
+        pytest.skip("the tests of a source distribution, without docs/")
+    page = (docs / "gallery.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    assert sorted(blocks) == sorted(path.read_text(encoding="utf-8") for path in GALLERY) and len(GALLERY) == 8
+    pictures = re.findall(r"!\[[^\]]+\]\((gallery/\w+\.png)\)", page)
+    assert sorted(pictures) == [f"gallery/{path.stem}.png" for path in GALLERY]
+    assert sum((docs / picture).stat().st_size for picture in pictures) < 400_000
+
+
 def test_notebook(tmp_path):
     nbclient = pytest.importorskip("nbclient")
     nbformat = pytest.importorskip("nbformat")
@@ -64,7 +90,14 @@ def test_notebook(tmp_path):
         for output in cell.get("outputs", [])
         if "image/png" in output.get("data", {})
     ]
-    assert len(pictures) == 3
+    assert len(pictures) == 4
+    pages = [
+        output.data["text/html"]
+        for cell in notebook.cells
+        for output in cell.get("outputs", [])
+        if "srcdoc" in str(output.get("data", {}).get("text/html"))
+    ]
+    assert len(pages) == 1 and "allow-scripts" in pages[0]
 
 
 def test_readme(tmp_path, monkeypatch, capsys):
@@ -72,7 +105,7 @@ def test_readme(tmp_path, monkeypatch, capsys):
     cl = pytest.importorskip("pyopencl")
     pytest.importorskip("tqdm")
     blocks = re.findall(r"```python\n(.*?)```", (EXAMPLES.parent / "README.md").read_text(), re.DOTALL)
-    assert len(blocks) == 9
+    assert len(blocks) == 10
     names = {}
     monkeypatch.chdir(tmp_path)
     if not svocl.has_io:
@@ -83,6 +116,10 @@ def test_readme(tmp_path, monkeypatch, capsys):
     forms = blocks.pop(1)
     exec(forms, names)
     assert names["solid"].solid_info.open_columns == (0, 0, 0) and names["picture"].shape == (480, 640, 4)
+    painting = blocks.pop(1)
+    if importlib.util.find_spec("trimesh"):
+        exec(painting, names)
+        assert (tmp_path / "ball.html").stat().st_size > (tmp_path / "ball.png").stat().st_size > 1000
     exec(blocks.pop(1), names)
     assert names["picture"].any() and names["light"].info.photon_hits > 0
     moving = blocks.pop(1)

@@ -2,6 +2,7 @@
 """The package as installed: what it carries, and that the binding has all that the headers have."""
 
 import ctypes
+import glob
 import importlib.metadata
 import os
 import subprocess
@@ -12,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import svocl
-from svocl import _generated, _native
+from svocl import _driver, _generated, _native
 from svocl._native import ffi, lib
 
 
@@ -87,6 +88,39 @@ import svocl
     missing = "libOpenCL.so.1: cannot open shared object file: No such file or directory"
     assert missing in last_line(missing) and "apt install ocl-icd-libopencl1" in last_line(missing)
     assert last_line("libm.so.6: cannot open") == "ImportError: libm.so.6: cannot open"
+
+
+def test_pocl_of_pip(tmp_path, monkeypatch):
+    """Where the system has no driver, the loader gets that of pip; without a compiler, with the linker of pip alone,
+    which is spared the compiler's libraries."""
+    for file in ("pocl_binary_distribution/__init__.py", "pyopencl/.libs/libpocl-1.so"):
+        (tmp_path / file).parent.mkdir(parents=True)
+        (tmp_path / file).touch()
+    monkeypatch.syspath_prepend(tmp_path)
+    found = glob.glob
+    drivers = ["/etc/OpenCL/vendors/some.icd"]
+    monkeypatch.setattr(glob, "glob", lambda at: drivers if at.startswith("/etc/") else found(at))
+    for name, value in (("PATH", "/nowhere"), ("OCL_ICD_VENDORS", ""), ("OPENCL_VENDOR_PATH", "")):
+        monkeypatch.setenv(name, value)  # and back to what it was
+        if not value:
+            del os.environ[name]
+    _driver.use_pocl_of_pip()
+    assert "OCL_ICD_VENDORS" not in os.environ
+    drivers.clear()
+    with pytest.warns(RuntimeWarning, match=r"PoCL of pip links kernels by ld and libgcc.*svocl\[linker\]"):
+        _driver.use_pocl_of_pip()
+    assert "OCL_ICD_VENDORS" not in os.environ
+    (tmp_path / "ziglang").mkdir()
+    (tmp_path / "ziglang" / "__init__.py").touch()
+    zig = tmp_path / "ziglang" / "zig"
+    zig.write_text('#!/bin/sh\necho "$@"\n')
+    zig.chmod(0o755)
+    importlib.invalidate_caches()
+    _driver.use_pocl_of_pip()
+    assert os.environ["OCL_ICD_VENDORS"] == str(tmp_path / "pyopencl/.libs/libpocl-1.so")
+    command = ["ld", "-shared", "-lgcc", "kernel.o", "-lc", "-o", "a b.so"]
+    linked = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
+    assert linked == "ld.lld -shared kernel.o -o a b.so\n"
 
 
 def test_the_module_exports_nothing_of_the_library():

@@ -10,6 +10,10 @@
 Log messages of the library go to the logger "svocl".
 """
 
+from ._driver import use_pocl_of_pip as _use_pocl_of_pip
+
+_use_pocl_of_pip()
+
 try:
     from ._native import lib as _lib
 except ImportError as _problem:
@@ -125,6 +129,7 @@ from ._light import LIGHT_ARGUMENTS, Light, LightSource, light_kernel_source, ma
 from ._mesh import NO_VERTEX, DeviceMesh, Finish, Material, Mesh, Texture, has_io, read_mesh
 from ._moving import Moving
 from ._opencl import Event
+from ._page import png
 from ._paged import Paged
 from ._parts import Parts, PartEntry
 from ._plan import Plan
@@ -133,6 +138,7 @@ from ._scene import Scene, SceneLight, make_instances
 from ._sdf import Sdf, sdf
 from ._surface import Surface, surface
 from ._tree import TREE_ARGUMENTS, Camera, Tree, TreeArrays, kernel_options, kernel_source, make_rays
+from ._trimesh import from_trimesh
 from ._tune import TuneResult, TuneSetting, tune
 from ._voxels import Voxels, make_voxels
 
@@ -251,6 +257,7 @@ __all__ = [
     "Wrap",
     "bake_lightmap",
     "bake_vertices",
+    "from_trimesh",
     "gather_point_dtype",
     "gather_result_dtype",
     "has_io",
@@ -265,6 +272,7 @@ __all__ = [
     "make_rays",
     "make_voxels",
     "nearest_dtype",
+    "png",
     "probe_hit_dtype",
     "probe_irradiance_dtype",
     "query_dtype",

@@ -2,7 +2,8 @@
 """numpy arrays that go into the library: their types and shapes are checked here, since C cannot.
 
 An array of the expected type that is C-contiguous is used as it is; any other that converts without a surprise is
-copied. Lists and tuples are converted by numpy.
+copied. So are arrays of other packages in the host's memory, by __array_interface__, __array__ or DLPack. Lists and
+tuples are converted by numpy.
 """
 
 import operator
@@ -16,41 +17,43 @@ from ._native import ffi, lib
 
 Array = npt.NDArray[Any]
 
-ray_dtype = np.dtype([("origin", "<f4", (3,)), ("direction", "<f4", (3,)), ("t_min", "<f4"), ("t_max", "<f4")])
+ray_dtype: "np.dtype[np.void]" = np.dtype(
+    [("origin", "<f4", (3,)), ("direction", "<f4", (3,)), ("t_min", "<f4"), ("t_max", "<f4")]
+)
 """svo_ray, 32 bytes: origin + t * direction for t_min <= t <= t_max, in world coordinates."""
 
-hit_dtype = np.dtype(
+hit_dtype: "np.dtype[np.void]" = np.dtype(
     [("t", "<f4"), ("triangle", "<u4"), ("u", "<f4"), ("v", "<f4"), ("normal", "<f4", (3,)), ("count", "<u4")]
 )
 """svo_hit, 32 bytes. No hit: t is infinite and triangle is NO_TRIANGLE."""
 
-query_dtype = np.dtype([("position", "<f4", (3,)), ("max_distance", "<f4")])
+query_dtype: "np.dtype[np.void]" = np.dtype([("position", "<f4", (3,)), ("max_distance", "<f4")])
 """svo_query_point, 16 bytes."""
 
-nearest_dtype = np.dtype(
+nearest_dtype: "np.dtype[np.void]" = np.dtype(
     [("distance", "<f4"), ("triangle", "<u4"), ("position", "<f4", (3,)), ("leaves", "<u4"), ("reserved", "<u4", (2,))]
 )
 """svo_nearest, 32 bytes. None within max_distance: distance is infinite and triangle is NO_TRIANGLE."""
 
-voxel_hit_dtype = np.dtype(
+voxel_hit_dtype: "np.dtype[np.void]" = np.dtype(
     [("t", "<f4"), ("node", "<u4"), ("level", "<u4"), ("face", "<u4"), ("normal", "<f4", (3,)), ("steps", "<u4")]
 )
 """svo_voxel_hit, 32 bytes. No hit: t is infinite and node is NO_NODE. face: 2 * axis, plus 1 for the high side; 6: the
 ray begins inside."""
 
-scene_hit_dtype = np.dtype([*voxel_hit_dtype.descr, ("instance", "<u4")])
+scene_hit_dtype: "np.dtype[np.void]" = np.dtype([*voxel_hit_dtype.descr, ("instance", "<u4")])
 """svo_scene_hit, 36 bytes: the hit in the instance's tree; normal and t are the world's. No hit: instance is
 NO_INSTANCE."""
 
-scene_triangle_hit_dtype = np.dtype(
+scene_triangle_hit_dtype: "np.dtype[np.void]" = np.dtype(
     [("t", "<f4"), ("triangle", "<u4"), ("u", "<f4"), ("v", "<f4"), ("normal", "<f4", (3,)), ("instance", "<u4")]
 )
 """svo_scene_triangle_hit, 32 bytes. No hit: t is infinite, triangle is NO_TRIANGLE and instance is NO_INSTANCE."""
 
-instance_dtype = np.dtype([("tree", "<u4"), ("transform", "<f4", (3, 4))])
+instance_dtype: "np.dtype[np.void]" = np.dtype([("tree", "<u4"), ("transform", "<f4", (3, 4))])
 """svo_instance, 52 bytes: world = transform * (x, y, z, 1), where x, y, z are in the tree's world coordinates."""
 
-gather_point_dtype = np.dtype(
+gather_point_dtype: "np.dtype[np.void]" = np.dtype(
     [
         ("position", "<f4", (3,)),
         ("normal", "<f4", (3,)),
@@ -62,7 +65,7 @@ gather_point_dtype = np.dtype(
 """svo_gather_point, 48 bytes: world coordinates. reflected: direction of the specular cone, zero for none; exponent: of
 its lobe; reserved is 0."""
 
-gather_result_dtype = np.dtype(
+gather_result_dtype: "np.dtype[np.void]" = np.dtype(
     [
         ("openness", "<f4"),
         ("irradiance", "<f4", (3,)),
@@ -77,7 +80,7 @@ gather_result_dtype = np.dtype(
 """svo_gather_result, 56 bytes: ambient occlusion, 1 is open; linear red, green, blue; the steps of all cones or the
 rays that were traced; standard errors, which cones do not know."""
 
-probe_hit_dtype = np.dtype(
+probe_hit_dtype: "np.dtype[np.void]" = np.dtype(
     [
         ("t", "<f4"),
         ("state", "<u4"),
@@ -89,10 +92,10 @@ probe_hit_dtype = np.dtype(
 )
 """svo_probe_hit, 32 bytes: state is 0 of a miss, 1 of a hit, 2 where no probe saw; normal as in a texel's word."""
 
-probe_irradiance_dtype = np.dtype([("irradiance", "<f4", (3,)), ("weight", "<f4")])
+probe_irradiance_dtype: "np.dtype[np.void]" = np.dtype([("irradiance", "<f4", (3,)), ("weight", "<f4")])
 """svo_probe_irradiance, 16 bytes: linear red, green, blue; weight 0: no probe sees the point."""
 
-voxel_dtype = np.dtype(
+voxel_dtype: "np.dtype[np.void]" = np.dtype(
     [("x", "<i4"), ("y", "<i4"), ("z", "<i4"), ("rgba", "u1", (4,)), ("material", "<u2"), ("reserved", "<u2")]
 )
 """svo_voxel, 20 bytes: coordinates within 2**30 of 0, color, and a material below 65535; reserved is 0."""
@@ -115,8 +118,28 @@ def _check_shape(name: str, array: Array, shape: Shape) -> None:
         raise ValueError(f"{name}: shape {_words(array.shape)}, expected {_words(shape)}")
 
 
+def taken(name: str, value: Any) -> Any:
+    """The array of an object that has one, in its own type and without a copy where it has that; else the value."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value
+    try:
+        if hasattr(value, "__array_interface__") or hasattr(value, "__array__"):
+            return np.asarray(value)
+        if hasattr(value, "__dlpack__"):
+            return np.from_dlpack(value)
+    except (TypeError, ValueError, RuntimeError, BufferError) as problem:
+        raise TypeError(f"{name}: {type(value).__name__} is no array in the host's memory: {problem}") from None
+    return value
+
+
+def array(name: str, value: Any) -> Array:
+    """As numpy converts it, and by DLPack."""
+    return np.asarray(taken(name, value))
+
+
 def _convert(name: str, value: Any, default: Any) -> Array:
     """value as an array; what is no array gets the default type."""
+    value = taken(name, value)
     if isinstance(value, np.ndarray):
         return value
     try:
@@ -130,7 +153,9 @@ def _convert(name: str, value: Any, default: Any) -> Array:
 
 def floats(name: str, value: Any, shape: Shape, double: bool = False) -> Array:
     """float32 numbers, C-contiguous; float64 numbers are rounded, or stay as they are with double."""
-    array = value if isinstance(value, np.ndarray) else _convert(name, value, np.float64).astype(np.float64)
+    array = taken(name, value)
+    if not isinstance(value, np.ndarray) and getattr(array, "dtype", None) not in (np.float32, np.float64):
+        array = _convert(name, array, np.float64).astype(np.float64)
     _check_shape(name, array, shape)
     if array.dtype.kind != "f" or array.dtype.itemsize not in (4, 8):
         raise TypeError(f"{name}: dtype {array.dtype}, expected float32 or float64, of shape {_words(shape)}")
@@ -157,8 +182,7 @@ def integers(name: str, value: Any, dtype: Any, shape: Shape) -> Array:
 def records(name: str, value: Any, dtype: "np.dtype[Any]") -> Array:
     """Records of ray_dtype, query_dtype or gather_point_dtype, C-contiguous, from such an array or one of float32
     (..., numbers)."""
-    if isinstance(value, np.void):  # one element of such an array
-        value = np.asarray(value)
+    value = np.asarray(value) if isinstance(value, np.void) else taken(name, value)  # void: one element of an array
     if not isinstance(value, np.ndarray):
         raise TypeError(f"{name}: {type(value).__name__}, expected an array of svocl.{_record_name(dtype)}")
     numbers = dtype.itemsize // 4

@@ -79,7 +79,7 @@ class Native:
         *,
         stays: bool = True,
     ) -> None:
-        self.guard = guard
+        self.guard: Guard = guard
         self.stays = stays
         self.parent: Optional[Native] = None
         self._parent_hold: Optional[object] = None

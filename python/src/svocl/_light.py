@@ -56,7 +56,7 @@ def make_gather_points(
         (...) records of gather_point_dtype.
     """
     names = ("positions", "normals", "reflected", "exponents")
-    parts = [np.asarray(part) for part in (positions, normals, reflected, exponents)]
+    parts = [_arrays.array(*given) for given in zip(names, (positions, normals, reflected, exponents))]
     for name, part in zip(names, parts):
         if part.dtype.kind not in "fiu":
             raise TypeError(f"{name}: dtype {part.dtype}, expected float32")

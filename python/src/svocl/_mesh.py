@@ -124,6 +124,25 @@ class Mesh:
     def triangle_count(self) -> int:
         return self.vertex_count // 3 if self.indices is None else len(self.indices)
 
+    @staticmethod
+    def from_trimesh(source: Any, *, normals: bool = False) -> "Mesh":
+        """svocl.from_trimesh."""
+        from ._trimesh import from_trimesh  # which needs Mesh
+
+        return from_trimesh(source, normals=normals)
+
+    def to_trimesh(self) -> Any:
+        """The mesh for trimesh: a trimesh.Trimesh, or where triangles have several materials a trimesh.Scene with a
+        mesh for each of these. With texture coordinates it has PBRMaterials and their images, which need pillow; else
+        the materials' base colors are in the colors of the vertices.
+
+        Raises:
+            ImportError: trimesh, or pillow for a texture, is not installed.
+        """
+        from ._trimesh import to_trimesh
+
+        return to_trimesh(self)
+
     def voxel_grid(self, voxel_edge: float) -> tuple[tuple[float, float, float], float, int]:
         """The grid whose voxels have a given width, with planes at its whole multiples, and the least depth that holds
         the mesh: (origin, edge, depth) for Device.plan and Device.build.
@@ -212,10 +231,10 @@ class DeviceMesh:
         textures: Sequence[Texture] = (),
         wait_for: Sequence[Any] = (),
     ) -> None:
-        self.vertex_count = _rows("positions", positions)
+        self.vertex_count: int = _rows("positions", positions)
         if indices is None and self.vertex_count % 3 != 0:
             raise ValueError(f"positions: shape ({self.vertex_count}, 3), expected (3 * triangle_count, 3)")
-        self.triangle_count = self.vertex_count // 3 if indices is None else _rows("indices", indices)
+        self.triangle_count: int = self.vertex_count // 3 if indices is None else _rows("indices", indices)
         vertices, triangles = self.vertex_count, self.triangle_count
         self._arrays = {
             "positions": _device_array("positions", positions, (vertices, 3), (np.float32,)),
@@ -229,7 +248,7 @@ class DeviceMesh:
             raise ValueError(f"indices: strides {tuple(indices.strides)}, expected a packed array")
         self._kept = [positions, indices, normals, colors, uvs, triangle_materials]
         self._index_bytes = 4 if indices is None else np.dtype(indices.dtype).itemsize
-        self.wait_for = tuple(wait_for)
+        self.wait_for: tuple[Any, ...] = tuple(wait_for)
         # What is on the host is a mesh without vertices.
         self._host = Mesh(np.zeros((0, 3), np.float32), materials=materials, textures=textures)
 
@@ -300,8 +319,8 @@ def mesh_of(value: Any) -> Mesh:
         faces = getattr(value, "triangles", None)
     if vertices is None or faces is None:
         raise TypeError(f"mesh: {type(value).__name__}, expected svocl.Mesh or an object with vertices and faces")
-    positions = np.asarray(vertices)
-    return Mesh(positions.astype(np.float64) if positions.dtype.kind in "iu" else positions, np.asarray(faces))
+    positions, indices = _arrays.array("vertices", vertices), _arrays.array("faces", faces)
+    return Mesh(positions.astype(np.float64) if positions.dtype.kind in "iu" else positions, indices)
 
 
 def _texture(name: str, texture: Texture) -> Texture:

@@ -290,7 +290,7 @@ class Moving(Handle):
 
 def _matrix(transform: npt.ArrayLike) -> Any:
     """The 12 numbers of a matrix, in C."""
-    array = np.asarray(transform)
+    array = _arrays.array("transform", transform)
     if array.dtype.kind not in "fiu":
         raise TypeError(f"transform: dtype {array.dtype}, expected float64")
     if array.shape not in ((3, 4), (4, 4)):

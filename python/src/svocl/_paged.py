@@ -41,7 +41,7 @@ class Paged(Handle):
         self, device: Device, path: Path, budget_bytes: int, *, page_levels: int = 3, update_bytes: int = 0
     ) -> None:
         need_io("Paged")
-        self.path = os.fsdecode(path)
+        self.path: str = os.fsdecode(path)
         options = _structs.new("svo_paged_options")
         options.page_levels = _arrays.integer("page_levels", page_levels)
         options.update_bytes = _arrays.integer("update_bytes", update_bytes, 64)

@@ -52,7 +52,7 @@ class Parts(Handle):
 
     def __init__(self, folder: Path) -> None:
         need_io("Parts")
-        self.folder = os.fsdecode(folder)
+        self.folder: str = os.fsdecode(folder)
         out = ffi.new("svo_parts **")
         message = ffi.new("svo_message *")
         status = call(lib.svo_parts_open, encode(folder), out, message, undo=lambda: lib.svo_parts_close(out))

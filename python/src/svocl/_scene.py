@@ -41,7 +41,7 @@ def make_instances(trees: npt.ArrayLike, transforms: npt.ArrayLike) -> _arrays.A
     Returns:
         (instance_count,) records of instance_dtype.
     """
-    tree, transform = np.asarray(trees), np.asarray(transforms)
+    tree, transform = _arrays.array("trees", trees), _arrays.array("transforms", transforms)
     if tree.dtype.kind not in "iu":
         raise TypeError(f"trees: dtype {tree.dtype}, expected integers")
     if tree.size and int(tree.min()) < 0:

@@ -8,7 +8,7 @@ from typing import Any, Callable, NamedTuple, Optional, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _generated, _opencl, _structs
+from . import _arrays, _generated, _grid, _opencl, _page, _structs
 from ._callbacks import call
 from ._errors import error, text
 from ._generated import BvhQuality, TraceMode, TreeBuffer, View
@@ -81,8 +81,9 @@ def make_rays(
     Returns:
         (...) records of ray_dtype.
     """
-    parts = [np.asarray(origins), np.asarray(directions), np.asarray(t_min), np.asarray(t_max)]
-    for name, part in zip(("origins", "directions", "t_min", "t_max"), parts):
+    names = ("origins", "directions", "t_min", "t_max")
+    parts = [_arrays.array(*given) for given in zip(names, (origins, directions, t_min, t_max))]
+    for name, part in zip(names, parts):
         if part.dtype.kind not in "fiu":
             raise TypeError(f"{name}: dtype {part.dtype}, expected float32")
     for name, part in zip(("origins", "directions"), parts):
@@ -351,7 +352,7 @@ class Tree(Resident):
         if isinstance(points, np.ndarray) and points.dtype == _arrays.query_dtype:
             records = _arrays.records("points", points, _arrays.query_dtype)
         else:
-            array = np.asarray(points)
+            array = _arrays.array("points", points)
             if array.dtype.kind not in "fiu":
                 raise TypeError(f"points: dtype {array.dtype}, expected float32, float64 or svocl.query_dtype")
             if array.ndim < 1 or array.shape[-1] != 3:
@@ -444,6 +445,43 @@ class Tree(Resident):
         used = self.frame(width / max(height, 1)) if camera is None else camera
         options, picture = render_options(width, height, used, view)
         return draw(functools.partial(self._device_call, "render"), lib.svo_tree_target, options, picture, queue)
+
+    # --- elsewhere --------------------------------------------------------------------------------------------------
+
+    def to_html(self, *, name: str = "tree", max_bytes: int = 1 << 25) -> str:
+        """The page of `svocl export-web`: it shows the tree in a browser, with colors and normals as far as the tree
+        has them, from a file that needs nothing else. docs/web.md describes it. The tree need not be on a device.
+
+        Args:
+            name: the page's heading.
+            max_bytes: of the page. Of a larger tree it has the upper levels, down to the deepest that fits, and says
+                so.
+
+        Raises:
+            ValueError: not even the first level fits.
+        """
+        return _page.page(self, name, _arrays.integer("max_bytes", max_bytes, 64))[0]
+
+    def to_pyvista(self, level: Optional[int] = None) -> Any:
+        """The voxels as a pyvista.UnstructuredGrid: a cube for each, in world coordinates and in the order of
+        Tree.voxels, which share their corners. cell_data has "rgba" (uint8), "normal" (float32, mean) and "material"
+        where the tree has them: tree.to_pyvista().plot(scalars="rgba", rgb=True).
+
+        Args:
+            level: 0 .. depth; None: depth, the leaves. Levels above payload_level have no cell_data.
+
+        Raises:
+            ImportError: pyvista is not installed.
+        """
+        return _grid.to_pyvista(self, level)
+
+    def _repr_html_(self) -> Optional[str]:
+        """For notebooks: the page, of at most 4 MiB."""
+        return None if self.closed else _page.inline(self)
+
+    def _repr_png_(self) -> Optional[bytes]:
+        """For notebooks that show no page; None of a tree on no device."""
+        return None if self.closed or not self.on_device else _page.png(self.render(640, 480))
 
     def __repr__(self) -> str:
         if self.closed:

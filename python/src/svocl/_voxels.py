@@ -34,7 +34,8 @@ def make_voxels(
     Returns:
         (voxel_count,) records of voxel_dtype.
     """
-    at, rgba, material = np.asarray(positions), np.asarray(colors), np.asarray(materials)
+    at, rgba = _arrays.array("positions", positions), _arrays.array("colors", colors)
+    material = _arrays.array("materials", materials)
     for name, array, high in (("positions", at, 2**30), ("colors", rgba, 255), ("materials", material, 65534)):
         if array.dtype.kind not in "iu" and array.size:
             raise TypeError(f"{name}: dtype {array.dtype}, expected integers")

@@ -31,7 +31,7 @@ NAME = "svocl.distributed"
 CLOSE_SECONDS = 10
 PASSING_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.ESTALE, errno.ETIMEDOUT, errno.EMFILE, errno.ENFILE)
 """Of files that Python writes: a later try may succeed."""
-SETTINGS = {
+SETTINGS: dict[str, Any] = {
     "distributed.scheduler.worker-ttl": ("5 minutes", "30s"),
     "distributed.scheduler.worker-saturation": (1.1, 1.0),
 }
