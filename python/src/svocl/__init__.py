@@ -122,7 +122,7 @@ from ._mesh import NO_VERTEX, DeviceMesh, Finish, Material, Mesh, Texture, has_i
 from ._moving import Moving
 from ._opencl import Event
 from ._paged import Paged
-from ._parts import Parts, PartEntry
+from ._parts import Parts, PartEntry, PartsPlanning
 from ._plan import Plan
 from ._probes import Probes
 from ._scene import Scene, SceneLight, make_instances
@@ -199,6 +199,7 @@ __all__ = [
     "PagedInfo",
     "PartEntry",
     "Parts",
+    "PartsPlanning",
     "Plan",
     "PlanBuffer",
     "PlanInfo",
