@@ -12,6 +12,7 @@
  *
  *     svo_parts_create          mesh -> folder: header, triangles by part, list of parts
  *     svo_parts_create_from_file  the same of a file that is read in blocks
+ *     svo_parts_planning_...    the same by several processes
  *     svo_parts_open            folder -> svo_parts, in any process on any machine that sees the folder
  *     svo_parts_build           builds one part of the list, unless it is there
  *     svo_parts_finish          all parts are there -> the .svo file
@@ -160,11 +161,11 @@ typedef struct svo_parts_entry {
 /** An empty output. */
 #define SVO_PARTS_ENTRY_INIT SVO_STRUCT_INIT(svo_parts_entry)
 
-/** Plans the parts of a mesh: makes one plan of the whole mesh for the header, writes the triangles and the materials
- *  to the folder, and splits parts, eight children each, until each is expected to fit max_bytes. Parts that no
- *  triangle meets do not exist. Part files that are there already stay; svo_parts_build checks whether they are of this
- *  tree. The plan is made beside the one that is there and replaces it at once, in the end. Leases of other processes
- *  that are stale are broken, which the device's log is told.
+/** Plans the parts of a mesh: makes one plan of the whole mesh for the header, counts its triangles in coarse cells of
+ *  the grid, cuts the grid into parts that are each expected to fit max_bytes, and writes the triangles of each part to
+ *  the folder. Parts that no triangle meets do not exist. Part files that are there already stay; svo_parts_build
+ *  checks whether they are of this tree. The plan is made beside the one that is there and replaces it at once, in the
+ *  end. Leases of other processes that are stale are broken, which the device's log is told.
  *
  * \param device whose memory the parts are planned for
  * \param mesh the whole mesh
@@ -182,17 +183,17 @@ SVO_API svo_status svo_parts_create(svo_device *device, const svo_mesh *mesh, un
                                     const svo_plan_options *options, uint64_t max_bytes, const char *folder,
                                     svo_message *message);
 
-/** The same for a mesh file that is read in blocks, twice, so that the mesh is never in memory as a whole: binary STL,
- *  and binary PLY with vertices and faces alone. The tree is the one that the file's import gives, byte for byte.
- *  What an import leaves out with a warning is left out without one.
+/** The same for a mesh file that is read in blocks, twice after its vertices, so that the mesh is never in memory as a
+ *  whole: binary STL, and binary PLY with vertices and faces alone. The tree is the one that the file's import gives,
+ *  byte for byte. What an import leaves out with a warning is left out without one.
  *
- * Memory holds about 20 MB beside what the limit counts, however large the file is.
+ * Memory holds about 40 MB beside what the limit counts, however large the file is.
  *
  * \param device whose memory the parts are planned for
  * \param path the file
  * \param depth of the whole tree
  * \param options of the whole tree, see svo_parts_create
- * \param max_bytes for the buffers and the host's memory of one part's build; not 0
+ * \param max_bytes for the buffers and the host's memory of one part's build; 0: see svo_parts_create
  * \param folder is made where it is not there
  * \param message receives the reason for a failure; NULL allowed
  * \returns SVO_UNSUPPORTED (another format, a file with textures, materials or strips, SVO_NEED_RAYS or
@@ -202,6 +203,99 @@ SVO_API svo_status svo_parts_create(svo_device *device, const svo_mesh *mesh, un
 SVO_API svo_status svo_parts_create_from_file(svo_device *device, const char *path, unsigned depth,
                                               const svo_plan_options *options, uint64_t max_bytes, const char *folder,
                                               svo_message *message);
+
+/** Planning from a mesh file by any number of processes: what svo_parts_create_from_file does, divided into tasks that
+ *  may be done anywhere at once. The folder gets the same bytes however many there are. Binary STL is divided into
+ *  ranges of facets, binary PLY into ranges of faces where all have one number of corners; else there is one range.
+ *
+ *      svo_parts_planning_begin    file -> the tasks of the first step
+ *      svo_parts_planning_tasks    how many tasks the step has; 0: all is done
+ *      svo_parts_planning_task     a task, as bytes
+ *      svo_parts_planning_work     a task -> its result, as bytes; in any process that sees the file and the folder
+ *      svo_parts_planning_take     a result; after the last of a step, the next step begins
+ *      svo_parts_planning_finish   all is done -> the plan takes its place in the folder
+ *      svo_parts_planning_end      releases the handle
+ *
+ *  There are three steps or four: bounds, a count of triangles in coarse cells of the grid, from which the parts
+ *  follow, and the triangles themselves, each written once to the parts that it may meet. A task may be done again, and
+ *  twice at once: it writes the same bytes to the same places. Bytes of tasks and results are for machines of one kind.
+ */
+typedef struct svo_parts_planning svo_parts_planning;
+
+/** Begins to plan.
+ *
+ * \param device,path,depth,options,max_bytes,folder see svo_parts_create_from_file. Others see path and folder under
+ *        these names; the device must outlive the planning
+ * \param ranges of the file that may be read side by side, 1 .. 65536
+ * \param out receives the planning; release it by svo_parts_planning_end
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns what svo_parts_create_from_file returns. */
+SVO_API svo_status svo_parts_planning_begin(svo_device *device, const char *path, unsigned depth,
+                                            const svo_plan_options *options, uint64_t max_bytes, const char *folder,
+                                            unsigned ranges, svo_parts_planning **out, svo_message *message);
+
+/** The number of tasks of this step. It renews the planner's lease, so it is to be called three times in
+ *  SVO_PARTS_LEASE_SECONDS or more often.
+ *
+ * \param planning not NULL
+ * \param count receives the number; 0: svo_parts_planning_finish is next
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_UNAVAILABLE (the lease was broken), SVO_FILE_ERROR or SVO_INVALID_ARGUMENT on failure. */
+SVO_API svo_status svo_parts_planning_tasks(svo_parts_planning *planning, size_t *count, svo_message *message);
+
+/** A task of this step.
+ *
+ * \param planning not NULL
+ * \param index below the number of tasks
+ * \param task receives its bytes, valid until the last result of the step is taken
+ * \param byte_count receives their number
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_INVALID_ARGUMENT on failure. */
+SVO_API svo_status svo_parts_planning_task(const svo_parts_planning *planning, size_t index, const void **task,
+                                           size_t *byte_count, svo_message *message);
+
+/** Does a task. Memory holds about 40 MB beside the task and its result.
+ *
+ * \param device any
+ * \param task its bytes
+ * \param byte_count their number
+ * \param result receives bytes; release them by svo_parts_planning_free
+ * \param result_bytes receives their number
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_FILE_ERROR (the mesh cannot be read or has changed, or the folder is not there), SVO_UNAVAILABLE (no
+ *          space), SVO_INVALID_ARGUMENT (no task of this version of the library) and what svo_parts_create_from_file
+ *          returns for the mesh. */
+SVO_API svo_status svo_parts_planning_work(svo_device *device, const void *task, size_t byte_count, void **result,
+                                           size_t *result_bytes, svo_message *message);
+
+/** Releases a result.
+ *
+ * \param result of svo_parts_planning_work; NULL allowed */
+SVO_API void svo_parts_planning_free(void *result);
+
+/** Takes a result. With the last one of a step, its results are put together and the next step's tasks are made.
+ *
+ * \param planning not NULL
+ * \param index of the task
+ * \param result its bytes, which are copied
+ * \param byte_count their number
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_INVALID_ARGUMENT (no result of this task) and what svo_parts_create_from_file returns; after a failure
+ *          of another kind the planning can only be released. */
+SVO_API svo_status svo_parts_planning_take(svo_parts_planning *planning, size_t index, const void *result,
+                                           size_t byte_count, svo_message *message);
+
+/** Divides parts that do not fit, and puts the plan in the place of the one that is there.
+ *
+ * \param planning all of its tasks are done
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_INVALID_ARGUMENT (tasks are left) and what svo_parts_create returns. */
+SVO_API svo_status svo_parts_planning_finish(svo_parts_planning *planning, svo_message *message);
+
+/** Releases a planning. What it wrote is removed, unless it was finished.
+ *
+ * \param planning set to NULL; NULL and a pointer to NULL are allowed */
+SVO_API void svo_parts_planning_end(svo_parts_planning **planning);
 
 /** Opens a folder of svo_parts_create.
  *

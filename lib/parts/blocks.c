@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Mesh files read in blocks of triangles, for trees in parts: a window moves over the file, and a reader fills the
- * block. Of binary STL, whether any facet has a color of its own shows in the first pass. Of binary PLY, faces come one
+ * block. Of binary STL, whether any facet has a color of its own shows with the bounds. Of binary PLY, faces come one
  * after the other; their vertices are read from where the file has them, through a cache of pages, so that faces which
  * are near each other in the file cost little.
  */
@@ -12,6 +12,7 @@
 #include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -38,6 +39,11 @@
 
 typedef struct blocks_ply blocks_ply;
 
+/* Bytes of a vertex in the file that its place in memory gets as they are. */
+typedef struct vertex_copy {
+    size_t from, to, bytes;
+} vertex_copy;
+
 struct svo_i_blocks {
     const char *path; /* a copy */
     svo_message *message;
@@ -54,8 +60,8 @@ struct svo_i_blocks {
 
     blocks_ply *ply; /* NULL: STL */
     stl_begin stl;
-    uint64_t facets_read;
-    bool any_color;
+    uint64_t items_read, items_end; /* faces or facets */
+    bool is_uneven;
 };
 
 /* Fails with the path and words. */
@@ -140,13 +146,11 @@ static svo_status open_stl(svo_i_blocks *blocks)
 
 static svo_status fill_stl(svo_i_blocks *blocks)
 {
-    for (; blocks->filled < BLOCK_TRIANGLES && blocks->facets_read < blocks->stl.facet_count; ++blocks->facets_read) {
+    for (; blocks->filled < BLOCK_TRIANGLES && blocks->items_read < blocks->items_end; ++blocks->items_read) {
         float facet[12];
         gather_vertex vertex = {.uv = {0.0f, 0.0f}};
         SVO_I_TRY(need(blocks, STL_FACET_BYTES));
-        blocks->any_color =
-            svo_i_stl_read_facet(blocks->window + blocks->window_at, &blocks->stl, facet, vertex.color) ||
-            blocks->any_color;
+        (void)svo_i_stl_read_facet(blocks->window + blocks->window_at, &blocks->stl, facet, vertex.color);
         blocks->window_at += STL_FACET_BYTES;
         memcpy(vertex.normal, facet, sizeof vertex.normal);
         for (unsigned corner = 0; corner < 3; ++corner) {
@@ -166,6 +170,8 @@ struct blocks_ply {
     const ply_element *vertices, *faces;
     ply_slot slots[PLY_PROPERTIES_MAX];
     gather_vertex blank;
+    vertex_copy copies[PLY_SLOT_END];
+    size_t copy_count; /* 0: vertices are not like that */
     size_t vertex_bytes;
     uint64_t vertex_begin, face_begin; /* places in the file */
     size_t index_list; /* the property of faces */
@@ -174,7 +180,9 @@ struct blocks_ply {
     size_t page_count;
     uint64_t pages[PAGES_MAX]; /* what each slot of the cache holds */
 
-    uint64_t faces_read;
+    size_t face_bytes; /* of each, where all have even_corners as the first has; 0: they have not */
+    uint64_t even_corners;
+    bool must_be_even; /* some of the faces are read */
     int64_t corners[FACE_CORNERS_MAX]; /* of the face that is being given */
     polygon shape;
     uint32_t triangle_count, triangles_given;
@@ -268,6 +276,68 @@ static svo_status check_counts(svo_i_blocks *blocks)
     return status == SVO_OK ? SVO_OK : fail(blocks, status, ply->words.text);
 }
 
+static bool host_is_little_endian(void)
+{
+    const uint16_t one = 1;
+    uint8_t low = 0;
+    memcpy(&low, &one, sizeof low);
+    return low == 1;
+}
+
+/* Where a slot's value is in a vertex, and how it is kept there. */
+static size_t place_of_slot(unsigned slot, ply_type *type)
+{
+    *type = slot >= PLY_SLOT_COLOR ? PLY_UINT8 : PLY_FLOAT;
+    return slot >= PLY_SLOT_COLOR    ? offsetof(gather_vertex, color) + (slot - PLY_SLOT_COLOR)
+           : slot >= PLY_SLOT_UV     ? offsetof(gather_vertex, uv) + (slot - PLY_SLOT_UV) * sizeof(float)
+           : slot >= PLY_SLOT_NORMAL ? offsetof(gather_vertex, normal) + (slot - PLY_SLOT_NORMAL) * sizeof(float)
+                                     : offsetof(gather_vertex, position) + (slot - PLY_SLOT_POSITION) * sizeof(float);
+}
+
+/* Lists what of a vertex is copied, if that is all of it, each slot once. */
+static void list_copies(blocks_ply *ply)
+{
+    size_t from = 0;
+    unsigned seen = 0;
+    for (size_t k = 0; k < ply->vertices->property_count; ++k) {
+        const ply_property *property = &ply->vertices->properties[k];
+        const size_t bytes = svo_i_ply_type_bytes(property->type);
+        ply_type type = PLY_NO_TYPE;
+        const size_t to = place_of_slot(ply->slots[k], &type);
+        vertex_copy *last = ply->copy_count > 0 ? &ply->copies[ply->copy_count - 1] : NULL;
+        if (ply->slots[k] != PLY_SLOT_NONE && (property->type != type || (seen >> ply->slots[k] & 1u) != 0)) {
+            ply->copy_count = 0;
+            return;
+        }
+        seen |= ply->slots[k] != PLY_SLOT_NONE ? 1u << ply->slots[k] : 0;
+        if (ply->slots[k] != PLY_SLOT_NONE && last != NULL && last->from + last->bytes == from &&
+            last->to + last->bytes == to) {
+            last->bytes += bytes;
+        } else if (ply->slots[k] != PLY_SLOT_NONE) {
+            ply->copies[ply->copy_count++] = (vertex_copy){from, to, bytes};
+        }
+        from += bytes;
+    }
+}
+
+/* The length of faces, if all can have the number of corners of the first: they fill the file then. */
+static void find_even(svo_i_blocks *blocks)
+{
+    blocks_ply *ply = blocks->ply;
+    size_t bytes = 0;
+    for (size_t k = 0; k < ply->faces->property_count; ++k) {
+        const ply_property *property = &ply->faces->properties[k];
+        if (k != ply->index_list && property->count_type != PLY_NO_TYPE) {
+            return;
+        }
+        bytes += k != ply->index_list ? svo_i_ply_type_bytes(property->type) : 0;
+    }
+    const ply_property *list = &ply->faces->properties[ply->index_list];
+    bytes += svo_i_ply_type_bytes(list->count_type) + ply->even_corners * svo_i_ply_type_bytes(list->type);
+    const uint64_t filled = blocks->file_bytes - ply->face_begin;
+    ply->face_bytes = filled / bytes == ply->faces->count && filled % bytes == 0 ? bytes : 0;
+}
+
 static svo_status alloc_cache(svo_i_blocks *blocks)
 {
     blocks_ply *ply = blocks->ply;
@@ -280,6 +350,8 @@ static svo_status alloc_cache(svo_i_blocks *blocks)
     }
     return ply->cache != NULL && svo_i_polygon_reserve(&ply->shape, FACE_CORNERS_MAX) ? SVO_OK : no_memory(blocks);
 }
+
+static svo_status look_at_first(svo_i_blocks *blocks);
 
 static svo_status open_ply(svo_i_blocks *blocks)
 {
@@ -295,7 +367,11 @@ static svo_status open_ply(svo_i_blocks *blocks)
     SVO_I_TRY(check_counts(blocks));
     svo_i_ply_note_slots(ply->vertices, false, ply->slots, &blocks->has_normals, &blocks->has_colors);
     ply->blank = svo_i_ply_blank_vertex(ply->vertices, ply->slots);
-    return alloc_cache(blocks);
+    if (ply->header.format == PLY_LITTLE_ENDIAN && host_is_little_endian()) {
+        list_copies(ply);
+    }
+    SVO_I_TRY(alloc_cache(blocks));
+    return look_at_first(blocks);
 }
 
 static void close_ply(svo_i_blocks *blocks)
@@ -309,11 +385,15 @@ static void close_ply(svo_i_blocks *blocks)
     }
 }
 
-static void rewind_ply(svo_i_blocks *blocks)
+static void select_ply(svo_i_blocks *blocks)
 {
     blocks_ply *ply = blocks->ply;
-    seek(blocks, ply->face_begin);
-    ply->faces_read = 0;
+    if (ply->face_bytes == 0) {
+        blocks->items_read = 0;
+        blocks->items_end = ply->faces->count;
+    }
+    ply->must_be_even = blocks->items_read > 0 || blocks->items_end < ply->faces->count;
+    seek(blocks, ply->face_begin + blocks->items_read * ply->face_bytes);
     ply->triangle_count = 0;
     ply->triangles_given = 0;
 }
@@ -339,24 +419,38 @@ static svo_status find_record(svo_i_blocks *blocks, uint64_t vertex, const char 
     return SVO_OK;
 }
 
+/* Reads a vertex. Its parts that lie in the file as they do in memory are copied. */
+static svo_status parse_vertex(const blocks_ply *ply, const char *record, gather_vertex *vertex)
+{
+    *vertex = ply->blank;
+    for (size_t i = 0; i < ply->copy_count; ++i) {
+        const vertex_copy *copy = &ply->copies[i];
+        memcpy((char *)vertex + copy->to, record + copy->from, copy->bytes);
+    }
+    if (ply->copy_count > 0) {
+        return SVO_OK;
+    }
+    ply_source source = ply->source;
+    source.element = ply->vertices;
+    source.cursor = (text_cursor){.at = record, .end = record + ply->vertex_bytes};
+    return svo_i_ply_read_vertex(&source, ply->vertices, ply->slots, vertex);
+}
+
 /* The vertex of a corner; NaN where there is none. */
 static svo_status find_vertex(svo_i_blocks *blocks, uint32_t corner, gather_vertex *vertex)
 {
     blocks_ply *ply = blocks->ply;
     const int64_t number = ply->corners[corner];
     const char *record = NULL;
-    *vertex = ply->blank;
     if (number < 0 || (uint64_t)number >= ply->vertices->count) {
+        *vertex = ply->blank;
         for (unsigned axis = 0; axis < 3; ++axis) {
             vertex->position[axis] = NAN;
         }
         return SVO_OK;
     }
     SVO_I_TRY(find_record(blocks, (uint64_t)number, &record));
-    ply_source source = ply->source;
-    source.element = ply->vertices;
-    source.cursor = (text_cursor){.at = record, .end = record + ply->vertex_bytes};
-    return svo_i_ply_read_vertex(&source, ply->vertices, ply->slots, vertex);
+    return parse_vertex(ply, record, vertex);
 }
 
 /* ---- PLY: faces ---- */
@@ -392,17 +486,36 @@ static svo_status read_face(svo_i_blocks *blocks, uint64_t *corner_count)
     SVO_I_TRY(need(blocks, FACE_BYTES_MAX));
     show_window(blocks);
     ply->source.element = ply->faces;
-    ply->source.instance = ply->faces_read;
+    ply->source.instance = blocks->items_read;
     const svo_status status = read_properties(blocks, corner_count);
+    /* Reading may have begun within a face. */
+    if (ply->must_be_even && (status != SVO_OK || *corner_count != ply->even_corners)) {
+        blocks->is_uneven = true;
+        return fail(blocks, SVO_UNSUPPORTED, "its faces have different numbers of corners");
+    }
     if (status == SVO_UNSUPPORTED || (status == SVO_IMPORT_FAILED && ply->source.later_bytes > 0)) {
         return svo_i_fail(blocks->message, SVO_UNSUPPORTED, "%s: face %" PRIu64 " has more than %d corners or is long",
-                          blocks->path, ply->faces_read, FACE_CORNERS_MAX);
+                          blocks->path, blocks->items_read, FACE_CORNERS_MAX);
     }
     if (status != SVO_OK) {
         return fail(blocks, status, ply->words.text);
     }
     blocks->window_at = (size_t)(ply->source.cursor.at - blocks->window);
-    ++ply->faces_read;
+    ++blocks->items_read;
+    return SVO_OK;
+}
+
+/* Finds the number of corners of the first face. What is wrong with it is told when it is read. */
+static svo_status look_at_first(svo_i_blocks *blocks)
+{
+    blocks_ply *ply = blocks->ply;
+    seek(blocks, ply->face_begin);
+    SVO_I_TRY(need(blocks, FACE_BYTES_MAX));
+    show_window(blocks);
+    ply->source.element = ply->faces;
+    if (ply->faces->count > 0 && read_properties(blocks, &ply->even_corners) == SVO_OK) {
+        find_even(blocks);
+    }
     return SVO_OK;
 }
 
@@ -453,7 +566,7 @@ static svo_status fill_ply(svo_i_blocks *blocks)
             SVO_I_TRY(give_triangle(blocks));
             continue;
         }
-        if (ply->faces_read == ply->faces->count) {
+        if (blocks->items_read == blocks->items_end) {
             return SVO_OK;
         }
         SVO_I_TRY(read_face(blocks, &corner_count));
@@ -479,15 +592,72 @@ svo_status svo_i_blocks_next(svo_i_blocks *blocks, svo_mesh *block)
     return SVO_OK;
 }
 
-void svo_i_blocks_rewind(svo_i_blocks *blocks)
+svo_i_blocks_extent svo_i_blocks_get_extent(const svo_i_blocks *blocks)
 {
+    const blocks_ply *ply = blocks->ply;
+    return (svo_i_blocks_extent){.file_bytes = blocks->file_bytes,
+                                 .items = ply != NULL ? ply->faces->count : blocks->stl.facet_count,
+                                 .vertices = ply != NULL ? ply->vertices->count : blocks->stl.facet_count,
+                                 .is_even = ply == NULL || ply->face_bytes > 0,
+                                 .has_normals = blocks->has_normals,
+                                 .has_colors = blocks->has_colors};
+}
+
+void svo_i_blocks_select(svo_i_blocks *blocks, uint64_t begin, uint64_t end, bool any_color)
+{
+    blocks->items_read = begin;
+    blocks->items_end = end;
     if (blocks->ply != NULL) {
-        rewind_ply(blocks);
+        select_ply(blocks);
         return;
     }
-    blocks->has_colors = blocks->stl.is_magics || blocks->any_color;
-    blocks->facets_read = 0;
-    seek(blocks, STL_BEGIN_BYTES);
+    blocks->has_colors = blocks->stl.is_magics || any_color;
+    seek(blocks, STL_BEGIN_BYTES + begin * STL_FACET_BYTES);
+}
+
+bool svo_i_blocks_is_uneven(const svo_i_blocks *blocks)
+{
+    return blocks->is_uneven;
+}
+
+/* ---- bounds ---- */
+
+static void widen(svo_i_bounds *bounds, const float *corners, unsigned count)
+{
+    for (unsigned i = 0; i < count; ++i) {
+        if (!isfinite(corners[i])) {
+            return;
+        }
+    }
+    bounds->any = true;
+    for (unsigned i = 0; i < count; ++i) {
+        const double x = (double)corners[i];
+        bounds->low[i % 3] = x < bounds->low[i % 3] ? x : bounds->low[i % 3];
+        bounds->high[i % 3] = x > bounds->high[i % 3] ? x : bounds->high[i % 3];
+    }
+}
+
+svo_status svo_i_blocks_bounds(svo_i_blocks *blocks, uint64_t begin, uint64_t end, svo_i_bounds *bounds,
+                               bool *any_color)
+{
+    const blocks_ply *ply = blocks->ply;
+    const size_t bytes = ply != NULL ? ply->vertex_bytes : STL_FACET_BYTES;
+    seek(blocks, (ply != NULL ? ply->vertex_begin : STL_BEGIN_BYTES) + begin * bytes);
+    for (uint64_t i = begin; i < end; ++i) {
+        float facet[12];
+        gather_vertex vertex = {.uv = {0.0f, 0.0f}};
+        SVO_I_TRY(need(blocks, bytes));
+        const char *from = blocks->window + blocks->window_at;
+        if (ply != NULL) {
+            SVO_I_TRY(parse_vertex(ply, from, &vertex));
+            widen(bounds, vertex.position, 3);
+        } else {
+            *any_color = svo_i_stl_read_facet(from, &blocks->stl, facet, vertex.color) || *any_color;
+            widen(bounds, facet + 3, 9);
+        }
+        blocks->window_at += bytes;
+    }
+    return SVO_OK;
 }
 
 /* ---- opening ---- */
@@ -550,7 +720,7 @@ svo_status svo_i_blocks_open(const char *path, svo_i_blocks **out, svo_message *
         svo_i_blocks_close(&blocks);
         return status;
     }
-    svo_i_blocks_rewind(blocks);
+    svo_i_blocks_select(blocks, 0, svo_i_blocks_get_extent(blocks).items, false);
     *out = blocks;
     return SVO_OK;
 }

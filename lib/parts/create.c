@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Fills a folder of parts: the header from one plan of the whole mesh, the triangles of each part, and the list of
- * parts, which are split until they fit.
- *
- * A mesh file is read in blocks, twice: the first pass finds the grid, the second what else all parts share, and writes
- * the triangles. The mesh is never in memory as a whole.
+ * Fills a folder of parts: the header from one plan of the whole mesh, the cut into parts from a histogram of the
+ * triangles, and then the triangles of each part, which are written once. Of a mesh in memory; division.c has files.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <string.h>
@@ -15,19 +12,15 @@
 #include "core/device.h"
 #include "core/memory.h"
 #include "core/struct_size.h"
-#include "parts/blocks.h"
 #include "parts/folder.h"
 #include "parts/job.h"
 #include "parts/part_file.h"
 #include "parts/planning.h"
-#include "parts/triangles.h"
+#include "parts/sections.h"
 #include "plan/arrays.h"
-#include "plan/part.h"
 
-#define NODES_MAX 4294967294.0
-/* Without a limit, parts take at most this share of the whole, or so many bytes, which the least part needs. */
-#define PARTS_LEAST      16u
-#define PART_BYTES_LEAST ((uint64_t)16 << 20)
+/* Triangles between two renewals of the lease. */
+#define TRIANGLES_RENEWED 65536u
 
 static svo_status copy_materials(svo_parts *parts, const svo_mesh *mesh, svo_message *message)
 {
@@ -68,31 +61,108 @@ static uint64_t hash_input(const svo_parts *parts, uint64_t hash)
     return hash;
 }
 
-/* Writes the triangles of the whole tree as those of the part 0-0, and what rays meet. */
-static svo_status save_input(svo_parts *parts, svo_plan *plan, const svo_mesh *mesh, svo_message *message)
+/* The triangles of a plan of the whole mesh on their way to files. */
+typedef struct division {
+    svo_parts *parts;
+    svo_device *device;
+    const svo_plan *plan;
+    const svo_mesh *mesh;
+    svo_message *message;
+    svo_i_cells cells;
+    svo_i_cell_list list;
+    svo_i_cut cut;
+    svo_i_section *sections;
+    svo_i_triangle_hash *hashes;
+    svo_i_sections *writer;
+    unsigned char *record;
+} division;
+
+static void find_corners(const svo_plan *plan, uint32_t triangle, int32_t corners[3][3])
 {
-    uint64_t hash = 0;
-    XXH3_state_t state;
-    svo_i_triangle_file file = {.block = NULL};
-    svo_status status = svo_i_plan_copy_to_host(plan);
-    if (status != SVO_OK) {
-        return svo_i_fail(message, status, "%s", svo_device_message(plan->device));
+    for (unsigned corner = 0; corner < 3; ++corner) {
+        const uint32_t vertex = plan->indices[(size_t)triangle * 3 + corner];
+        memcpy(corners[corner], plan->vertices + (size_t)vertex * 3, sizeof corners[corner]);
     }
-    char *path = svo_i_part_path(parts, 0, 0, "tri");
-    if (path == NULL) {
-        return svo_i_folder_no_memory(parts, message);
+}
+
+/* Makes the histogram, and the hash of the input. */
+static svo_status count_triangles(division *d, uint32_t level)
+{
+    const svo_part_header *header = &d->parts->header;
+    const size_t record_bytes = svo_i_triangle_bytes(d->parts->fields);
+    svo_i_triangle_hash hash = {.count = 0};
+    d->cells.level = level;
+    for (uint32_t i = 0; i < d->plan->triangle_count; ++i) {
+        int32_t corners[3][3];
+        svo_i_placing placing;
+        svo_i_triangle_put(d->mesh, d->parts->fields, d->plan->triangle_ids[i], 0, d->record);
+        svo_i_triangle_hash_add(&hash, svo_i_triangle_hash_of(d->record, record_bytes), 0);
+        find_corners(d->plan, i, corners);
+        svo_i_placing_make(header, level, (const int32_t(*)[3])corners, &placing);
+        if (!svo_i_cells_add(&d->cells, header->snap_bits, &placing)) {
+            return svo_i_folder_no_memory(d->parts, d->message);
+        }
+        if (i % TRIANGLES_RENEWED == 0) {
+            SVO_I_TRY(svo_i_planning_renew(d->parts, d->message));
+        }
     }
-    parts->fields = svo_i_triangle_fields(mesh);
-    SVO_I_TRY_CLEANUP(svo_i_triangles_begin(&file, &state, path, parts->fields, message));
-    SVO_I_TRY_CLEANUP(svo_i_triangles_append(&file, mesh, plan->triangle_ids, plan->triangle_count));
-    SVO_I_TRY_CLEANUP(svo_i_triangles_hash(&file, &hash));
-    parts->header.input_hash = hash_input(parts, hash);
-    const svo_i_triangles_of of = svo_i_folder_triangles(parts, 0, 0);
-    status = svo_i_triangles_finish(&file, &of);
-cleanup:
-    svo_i_triangles_end(&file);
-    svo_i_free(path);
-    return status;
+    svo_i_cell_list_take(&d->cells, &d->list);
+    svo_i_cell_list_total(&d->list);
+    d->parts->header.input_hash = hash_input(d->parts, hash.value);
+    return SVO_OK;
+}
+
+static svo_status write_triangles(division *d)
+{
+    const svo_parts *parts = d->parts;
+    const size_t record_bytes = svo_i_triangle_bytes(parts->fields);
+    SVO_I_TRY(svo_i_sections_begin(&parts->header, d->list.level, parts->fields, parts->place, d->sections,
+                                   d->cut.count, d->message, &d->writer));
+    for (uint32_t i = 0; i < d->plan->triangle_count; ++i) {
+        int32_t corners[3][3];
+        svo_i_triangle_put(d->mesh, parts->fields, d->plan->triangle_ids[i], i, d->record);
+        find_corners(d->plan, i, corners);
+        SVO_I_TRY(svo_i_sections_add(d->writer, (const int32_t(*)[3])corners, d->record,
+                                     svo_i_triangle_hash_of(d->record, record_bytes), i));
+        if (i % TRIANGLES_RENEWED == 0) {
+            SVO_I_TRY(svo_i_planning_renew(d->parts, d->message));
+        }
+    }
+    SVO_I_TRY(svo_i_sections_finish(d->writer, d->hashes));
+    return svo_i_cut_write_tails(parts, &d->cut, d->hashes, d->message);
+}
+
+/* Cuts the grid, and writes the triangles of all parts. */
+static svo_status divide(division *d)
+{
+    d->parts->fields = svo_i_triangle_fields(d->mesh);
+    d->record = svo_i_alloc(NULL, svo_i_triangle_bytes(d->parts->fields));
+    if (d->record == NULL) {
+        return svo_i_folder_no_memory(d->parts, d->message);
+    }
+    SVO_I_TRY(count_triangles(d, svo_i_cut_level(d->parts, d->parts->header.depth, d->parts->header.kept_triangles)));
+    SVO_I_TRY(svo_i_cut_make(d->parts, d->device, &d->list, &d->cut, d->message));
+    d->sections = svo_i_alloc_zeroed(NULL, d->cut.count + 1, sizeof *d->sections);
+    d->hashes = svo_i_alloc_zeroed(NULL, d->cut.count + 1, sizeof *d->hashes);
+    if (d->sections == NULL || d->hashes == NULL) {
+        return svo_i_folder_no_memory(d->parts, d->message);
+    }
+    for (size_t i = 0; i < d->cut.count; ++i) {
+        const svo_i_part_entry *entry = &d->cut.parts[i].entry;
+        d->sections[i] = (svo_i_section){.code = entry->code, .level = entry->level, .count = entry->triangles};
+    }
+    return write_triangles(d);
+}
+
+static void free_division(division *d)
+{
+    svo_i_sections_free(&d->writer);
+    svo_i_cells_free(&d->cells);
+    svo_i_free(d->list.cells);
+    svo_i_free(d->sections);
+    svo_i_free(d->hashes);
+    svo_i_free(d->record);
+    svo_i_cut_free(&d->cut);
 }
 
 static svo_status save_mesh(const svo_parts *parts, svo_plan *plan, svo_message *message)
@@ -111,16 +181,6 @@ static svo_status save_mesh(const svo_parts *parts, svo_plan *plan, svo_message 
 
 /* ---- all together ---- */
 
-static svo_status check_nodes(const svo_parts *parts, svo_message *message)
-{
-    const svo_part_header *header = &parts->header;
-    return header->expected_nodes <= NODES_MAX
-               ? SVO_OK
-               : svo_i_fail(message, SVO_CAPACITY_EXCEEDED,
-                            "svo_parts_create: about %.0f nodes are expected at depth %u, above 2^32 - 2",
-                            header->expected_nodes, header->depth);
-}
-
 /* A plan of the whole mesh; sets the header and the limit. */
 static svo_status plan_whole(svo_parts *parts, svo_device *device, const svo_mesh *mesh, unsigned depth,
                              const svo_plan_options *options, svo_plan **plan, svo_message *message)
@@ -133,12 +193,11 @@ static svo_status plan_whole(svo_parts *parts, svo_device *device, const svo_mes
     if (svo_plan_get_part_header(*plan, &parts->header) != SVO_OK) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_parts_create: options.part_header is not NULL");
     }
-    SVO_I_TRY(check_nodes(parts, message));
+    SVO_I_TRY(svo_i_parts_check_nodes(&parts->header, message));
     if (parts->max_bytes == 0) {
         svo_plan_info info = SVO_PLAN_INFO_INIT;
         (void)svo_plan_get_info(*plan, &info);
-        const uint64_t share = info.peak_bytes / PARTS_LEAST;
-        parts->max_bytes = share > PART_BYTES_LEAST ? share : PART_BYTES_LEAST;
+        parts->max_bytes = svo_i_cut_share(info.peak_bytes);
     }
     return SVO_OK;
 }
@@ -148,17 +207,25 @@ static svo_status fill_folder(svo_parts *parts, svo_device *device, const svo_me
                               const svo_plan_options *options, svo_message *message)
 {
     svo_plan *plan = NULL;
+    division d = {.parts = parts, .device = device, .mesh = mesh, .message = message};
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_lease_check(parts->folder, message)); /* before work that would be in vain */
     SVO_I_TRY_CLEANUP(plan_whole(parts, device, mesh, depth, options, &plan, message));
     SVO_I_TRY_CLEANUP(svo_i_planning_begin(parts, device, message));
     SVO_I_TRY_CLEANUP(copy_materials(parts, mesh, message));
-    SVO_I_TRY_CLEANUP(save_input(parts, plan, mesh, message));
+    status = svo_i_plan_copy_to_host(plan);
+    if (status != SVO_OK) {
+        status = svo_i_fail(message, status, "%s", svo_device_message(device));
+        goto cleanup;
+    }
+    d.plan = plan;
+    SVO_I_TRY_CLEANUP(divide(&d));
     SVO_I_TRY_CLEANUP(save_mesh(parts, plan, message));
     svo_plan_destroy(&plan);
-    SVO_I_TRY_CLEANUP(svo_i_parts_divide(parts, device, message));
+    SVO_I_TRY_CLEANUP(svo_i_parts_divide(parts, &d.cut, device, message));
     status = svo_i_planning_switch(parts, message);
 cleanup:
+    free_division(&d);
     svo_plan_destroy(&plan);
     return status;
 }
@@ -180,141 +247,5 @@ svo_status svo_parts_create(svo_device *device, const svo_mesh *mesh, unsigned d
                                   ? fill_folder(parts, device, &given, depth, options, message)
                                   : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: out of memory", function);
     svo_parts_close(&parts);
-    return status;
-}
-
-/* ---- from a file ---- */
-
-/* A file on its way to a folder. */
-typedef struct passing {
-    svo_parts *parts;
-    svo_device *device;
-    svo_message *message;
-    svo_i_blocks *blocks;
-    svo_i_survey survey;
-    svo_i_triangle_file file;
-    XXH3_state_t hash;
-    uint32_t *kept; /* BLOCK_TRIANGLES */
-} passing;
-
-static svo_status fail_device(const passing *p, svo_status status)
-{
-    return svo_i_fail(p->message, status, "%s", svo_device_message(p->device));
-}
-
-/* The first pass. */
-static svo_status find_grid(passing *p)
-{
-    uint64_t triangles = 0;
-    svo_mesh block;
-    do {
-        SVO_I_TRY(svo_i_blocks_next(p->blocks, &block));
-        svo_i_survey_bounds(&p->survey, &block);
-        triangles += block.triangle_count;
-    } while (block.triangle_count > 0);
-    if (triangles == 0) {
-        return svo_i_fail(p->message, SVO_IMPORT_FAILED, "svo_parts_create_from_file: the file has no triangles");
-    }
-    const svo_status status = svo_i_survey_fit(&p->survey);
-    return status == SVO_OK ? SVO_OK : fail_device(p, status);
-}
-
-/* The second pass: writes the triangles that the tree keeps. */
-static svo_status write_triangles(passing *p, const char *path)
-{
-    svo_mesh block;
-    uint64_t hash = 0;
-    bool begun = false;
-    svo_i_blocks_rewind(p->blocks);
-    do {
-        uint32_t kept_count = 0;
-        SVO_I_TRY(svo_i_blocks_next(p->blocks, &block));
-        if (!begun) {
-            p->parts->fields = svo_i_triangle_fields(&block);
-            SVO_I_TRY(svo_i_triangles_begin(&p->file, &p->hash, path, p->parts->fields, p->message));
-            begun = true;
-        }
-        const svo_status status = svo_i_survey_add(&p->survey, &block, p->kept, &kept_count);
-        if (status != SVO_OK) {
-            return fail_device(p, status);
-        }
-        SVO_I_TRY(svo_i_triangles_append(&p->file, &block, p->kept, kept_count));
-        SVO_I_TRY(svo_i_planning_renew(p->parts, p->message));
-    } while (block.triangle_count > 0);
-    SVO_I_TRY(svo_i_triangles_hash(&p->file, &hash));
-    p->parts->header = (svo_part_header)SVO_PART_HEADER_INIT;
-    const svo_status status = svo_i_survey_header(&p->survey, &p->parts->header);
-    if (status != SVO_OK) {
-        return fail_device(p, status);
-    }
-    p->parts->header.input_hash = hash;
-    const svo_i_triangles_of of = svo_i_folder_triangles(p->parts, 0, 0);
-    SVO_I_TRY(svo_i_triangles_finish(&p->file, &of));
-    return check_nodes(p->parts, p->message);
-}
-
-static svo_status run_passes(passing *p, svo_plan *empty)
-{
-    svo_status status = svo_i_survey_begin(empty, &p->survey);
-    if (status != SVO_OK) {
-        return fail_device(p, status);
-    }
-    SVO_I_TRY(find_grid(p));
-    SVO_I_TRY(svo_i_planning_begin(p->parts, p->device, p->message));
-    char *path = svo_i_part_path(p->parts, 0, 0, "tri");
-    p->kept = svo_i_alloc(NULL, BLOCK_TRIANGLES * sizeof *p->kept);
-    status = path != NULL && p->kept != NULL ? write_triangles(p, path) : svo_i_folder_no_memory(p->parts, p->message);
-    svo_i_triangles_end(&p->file);
-    svo_i_free(p->kept);
-    svo_i_free(path);
-    return status;
-}
-
-/* Reads the file. */
-static svo_status take_file(passing *p, const char *path, unsigned depth, const svo_plan_options *options)
-{
-    const svo_mesh none = {.struct_size = sizeof none};
-    svo_plan *empty = NULL;
-    svo_status status = SVO_OK;
-    SVO_I_TRY_CLEANUP(svo_i_blocks_open(path, &p->blocks, p->message));
-    status = svo_plan_create(p->device, &none, depth, options, &empty);
-    if (status != SVO_OK) {
-        status = fail_device(p, status);
-        goto cleanup;
-    }
-    status = run_passes(p, empty);
-cleanup:
-    svo_plan_destroy(&empty);
-    svo_i_blocks_close(&p->blocks);
-    return status;
-}
-
-static svo_status fill_from_file(passing *p, const char *path, unsigned depth, const svo_plan_options *options)
-{
-    SVO_I_TRY(svo_i_lease_check(p->parts->folder, p->message)); /* before work that would be in vain */
-    SVO_I_TRY(take_file(p, path, depth, options));
-    SVO_I_TRY(svo_i_parts_divide(p->parts, p->device, p->message));
-    return svo_i_planning_switch(p->parts, p->message);
-}
-
-svo_status svo_parts_create_from_file(svo_device *device, const char *path, unsigned depth,
-                                      const svo_plan_options *options, uint64_t max_bytes, const char *folder,
-                                      svo_message *message)
-{
-    static const char function[] = "svo_parts_create_from_file";
-    if (device == NULL || path == NULL || folder == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
-                          device == NULL ? "device"
-                          : path == NULL ? "path"
-                                         : "folder");
-    }
-    if (max_bytes == 0) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: max_bytes is 0", function);
-    }
-    passing p = {.parts = svo_i_folder_new(folder, max_bytes), .device = device, .message = message};
-    const svo_status status = p.parts != NULL
-                                  ? fill_from_file(&p, path, depth, options)
-                                  : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: out of memory", function);
-    svo_parts_close(&p.parts);
     return status;
 }

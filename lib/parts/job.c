@@ -133,16 +133,6 @@ static svo_status find_split(const svo_parts *parts, uint32_t level, uint64_t co
 
 /* ---- building ---- */
 
-/* Host bytes of a plan per triangle with corners of its own: snapped vertices, indices, names twice, draw items, the
-   estimate, classes, flags, records, and a sorted copy of the items. */
-#define PLAN_BYTES (36u + 12u + 8u + 8u + 4u + 4u + 16u + 12u)
-
-/* Host memory of a part's build while it is planned: its triangles and what the plan makes of them. */
-static uint64_t host_bytes(const svo_parts *parts, uint64_t triangles)
-{
-    return triangles * (svo_i_triangle_bytes(parts->fields) + PLAN_BYTES);
-}
-
 /* A failure of the device with its message. */
 static svo_status fail_device(const svo_device *device, svo_status status, svo_message *message)
 {
@@ -185,7 +175,7 @@ static svo_status plan_of_part(const svo_parts *parts, svo_device *device, uint3
         goto cleanup;
     }
     (void)svo_plan_get_info(*plan, &info);
-    *expected_bytes = info.peak_bytes + host_bytes(parts, soup.mesh.triangle_count);
+    *expected_bytes = info.peak_bytes + svo_i_parts_host_bytes(parts, soup.mesh.triangle_count);
 cleanup:
     svo_i_soup_free(&soup);
     svo_i_free(path);
@@ -193,9 +183,6 @@ cleanup:
 }
 
 /* ---- dividing until parts fit ---- */
-
-/* The least that the buffers of a build take per triangle: its corners, indices, draw item and one fragment. */
-#define BUFFER_BYTES (36u + 12u + 8u + 8u)
 
 typedef struct planner {
     svo_parts *parts;
@@ -207,7 +194,7 @@ typedef struct planner {
 static svo_status fits(const planner *p, uint32_t level, uint64_t code, uint64_t triangles, bool *fit, uint64_t *bytes)
 {
     svo_plan *plan = NULL;
-    *bytes = host_bytes(p->parts, triangles) + triangles * BUFFER_BYTES;
+    *bytes = svo_i_parts_least_bytes(p->parts, triangles);
     *fit = *bytes <= p->parts->max_bytes;
     if (!*fit) {
         return SVO_OK; /* too large by its triangles alone, so it is not planned */
@@ -253,10 +240,15 @@ static svo_status plan_part(const planner *p, uint32_t level, uint64_t code, uin
     return fit ? svo_i_folder_add(p->parts, &entry, p->message) : plan_children(p, level, code);
 }
 
-svo_status svo_i_parts_divide(svo_parts *parts, svo_device *device, svo_message *message)
+svo_status svo_i_parts_divide(svo_parts *parts, const svo_i_cut *cut, svo_device *device, svo_message *message)
 {
     const planner p = {parts, device, message};
-    return plan_part(&p, 0, 0, parts->header.kept_triangles);
+    for (size_t i = 0; i < cut->count; ++i) {
+        const svo_i_part_entry *entry = &cut->parts[i].entry;
+        SVO_I_TRY(cut->parts[i].fits ? svo_i_folder_add(parts, entry, message)
+                                     : plan_part(&p, entry->level, entry->code, entry->triangles));
+    }
+    return SVO_OK;
 }
 
 /* ---- what is there ---- */

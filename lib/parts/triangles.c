@@ -26,7 +26,7 @@
 #define NAME_BYTES    8 /* name and material, 4 bytes each */
 #define MAGIC         "\x89SVT\r\n\x1a\n"
 #define MAGIC_BYTES   8
-#define VERSION       3 /* 2: the identity of a plan had its limit in it */
+#define VERSION       4 /* 2: the identity of a plan had its limit in it; 3: one hash of all bytes */
 
 /* What follows the records. */
 typedef struct triangle_tail {
@@ -34,7 +34,7 @@ typedef struct triangle_tail {
     uint32_t version;
     uint32_t record_bytes;
     svo_i_triangles_of of;
-    uint64_t hash; /* of all before */
+    uint64_t hash; /* of the tail before, seeded with that of the records */
 } triangle_tail;
 
 static_assert(sizeof(triangle_tail) == 56 && offsetof(triangle_tail, hash) == 48, "triangles.h: no padding");
@@ -79,20 +79,58 @@ static svo_status fail_errno(const svo_i_triangle_file *file, int error)
                       strerror(error));
 }
 
-svo_status svo_i_triangles_begin(svo_i_triangle_file *file, void *hash, const char *path, uint32_t fields,
-                                 svo_message *message)
+uint64_t svo_i_triangle_hash_of(const unsigned char *record, size_t record_bytes)
 {
-    file->hash = hash;
+    return XXH3_64bits(record + sizeof(uint32_t), record_bytes - sizeof(uint32_t));
+}
+
+void svo_i_triangle_hash_append(svo_i_triangle_hash *to, const svo_i_triangle_hash *run)
+{
+    /* The hash so far moves on by as many records as the run has: a power of the factor, by squares. */
+    uint64_t square = TRIANGLE_HASH_FACTOR;
+    uint64_t power = 1;
+    for (uint64_t left = run->count; left > 0; left >>= 1) {
+        power *= (left & 1) != 0 ? square : 1;
+        square *= square;
+    }
+    to->count += run->count;
+    to->value = to->value * power + run->value;
+}
+
+static triangle_tail make_tail(const svo_i_triangles_of *of, const svo_i_triangle_hash *records)
+{
+    triangle_tail tail = {.version = VERSION, .record_bytes = (uint32_t)svo_i_triangle_bytes(of->fields), .of = *of};
+    memcpy(tail.magic, MAGIC, MAGIC_BYTES);
+    tail.hash = XXH3_64bits_withSeed(&tail, offsetof(triangle_tail, hash), records->value);
+    return tail;
+}
+
+svo_status svo_i_triangles_write_tail(const char *path, const svo_i_triangles_of *of, const svo_i_triangle_hash *hash,
+                                      svo_message *message)
+{
+    const triangle_tail tail = make_tail(of, hash);
+    const svo_i_output output = {.descriptor = open(path, O_WRONLY | O_CLOEXEC)};
+    int error = output.descriptor < 0 ? errno : 0;
+    if (error == 0) {
+        error = svo_i_output_write_at(&output, hash->count * tail.record_bytes, &tail, sizeof tail);
+    }
+    if (output.descriptor >= 0 && close(output.descriptor) != 0 && error == 0) {
+        error = errno;
+    }
+    return error == 0
+               ? SVO_OK
+               : svo_i_fail(message, svo_i_file_status(error), "%s: cannot be written: %s", path, strerror(error));
+}
+
+/* Begins a file; path must outlive it. To be ended also after a failure. */
+static svo_status begin_file(svo_i_triangle_file *file, const char *path, uint32_t fields, svo_message *message)
+{
     file->path = path;
     file->message = message;
     file->fields = fields;
     file->record_bytes = svo_i_triangle_bytes(fields);
     file->output.descriptor = -1;
-    file->filled = 0;
-    file->count = 0;
     file->block_bytes = BLOCK_RECORDS * file->record_bytes;
-    XXH3_INITSTATE((XXH3_state_t *)file->hash);
-    XXH3_64bits_reset(file->hash);
     file->block = svo_i_alloc(NULL, file->block_bytes);
     return file->block != NULL ? SVO_OK
                                : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for triangles", path);
@@ -105,37 +143,27 @@ static svo_status flush(svo_i_triangle_file *file)
     if (error == 0) {
         error = svo_i_output_write(&file->output, file->block, file->filled);
     }
-    XXH3_64bits_update(file->hash, file->block, file->filled);
     file->filled = 0;
     return error == 0 ? SVO_OK : fail_errno(file, error);
 }
 
-/* Room for one more record. */
-static svo_status next_record(svo_i_triangle_file *file, unsigned char **record)
+static svo_status append_record(svo_i_triangle_file *file, const unsigned char *record)
 {
+    uint32_t name = 0;
     if (file->filled + file->record_bytes > file->block_bytes) {
         SVO_I_TRY(flush(file));
     }
-    *record = file->block + file->filled;
+    memcpy(file->block + file->filled, record, file->record_bytes);
+    memcpy(&name, record, sizeof name);
     file->filled += file->record_bytes;
-    ++file->count;
+    svo_i_triangle_hash_add(&file->hash, svo_i_triangle_hash_of(record, file->record_bytes), name);
     return SVO_OK;
 }
 
-svo_status svo_i_triangles_hash(svo_i_triangle_file *file, uint64_t *hash)
+static svo_status finish_file(svo_i_triangle_file *file, const svo_i_triangles_of *of)
 {
+    const triangle_tail tail = make_tail(of, &file->hash);
     SVO_I_TRY(flush(file));
-    *hash = XXH3_64bits_digest(file->hash);
-    return SVO_OK;
-}
-
-svo_status svo_i_triangles_finish(svo_i_triangle_file *file, const svo_i_triangles_of *of)
-{
-    triangle_tail tail = {.version = VERSION, .record_bytes = (uint32_t)file->record_bytes, .of = *of};
-    memcpy(tail.magic, MAGIC, MAGIC_BYTES);
-    SVO_I_TRY(flush(file));
-    XXH3_64bits_update(file->hash, &tail, offsetof(triangle_tail, hash));
-    tail.hash = XXH3_64bits_digest(file->hash);
     int error = svo_i_output_write(&file->output, &tail, sizeof tail);
     if (error == 0) {
         error = svo_i_output_commit_unflushed(&file->output);
@@ -143,7 +171,7 @@ svo_status svo_i_triangles_finish(svo_i_triangle_file *file, const svo_i_triangl
     return error == 0 ? SVO_OK : fail_errno(file, error);
 }
 
-void svo_i_triangles_end(svo_i_triangle_file *file)
+static void end_file(svo_i_triangle_file *file)
 {
     if (file->block != NULL) {
         svo_i_output_abandon(&file->output);
@@ -162,8 +190,9 @@ static unsigned char *put_field(unsigned char *to, const void *field, size_t ver
     return to;
 }
 
-static void put_triangle(const svo_mesh *mesh, uint32_t fields, uint32_t triangle, uint32_t name, unsigned char *to)
+void svo_i_triangle_put(const svo_mesh *mesh, uint32_t fields, uint32_t triangle, uint32_t name, unsigned char *record)
 {
+    unsigned char *to = record;
     uint32_t corners[3];
     for (uint32_t corner = 0; corner < 3; ++corner) {
         const size_t index = (size_t)triangle * 3 + corner;
@@ -179,17 +208,6 @@ static void put_triangle(const svo_mesh *mesh, uint32_t fields, uint32_t triangl
     (void)put_field(to, mesh->uvs, uv_bytes(fields), corners);
 }
 
-svo_status svo_i_triangles_append(svo_i_triangle_file *file, const svo_mesh *mesh, const uint32_t *ids, uint32_t count)
-{
-    unsigned char *record = NULL;
-    for (uint32_t i = 0; i < count; ++i) {
-        const uint32_t name = (uint32_t)file->count;
-        SVO_I_TRY(next_record(file, &record));
-        put_triangle(mesh, file->fields, ids[i], name, record);
-    }
-    return SVO_OK;
-}
-
 /* ---- reading ---- */
 
 typedef struct triangle_source {
@@ -199,7 +217,7 @@ typedef struct triangle_source {
     size_t record_bytes;
     uint64_t count;
     triangle_tail tail;
-    XXH3_state_t hash;
+    svo_i_triangle_hash hash; /* of the records that were read */
     unsigned char *block;
     uint64_t read; /* records */
 } triangle_source;
@@ -269,8 +287,6 @@ static svo_status open_source(triangle_source *source, const char *path, const s
         return damaged(source);
     }
     source->count = records_bytes / source->record_bytes;
-    XXH3_INITSTATE(&source->hash);
-    XXH3_64bits_reset(&source->hash);
     source->block = svo_i_alloc(NULL, BLOCK_RECORDS * source->record_bytes);
     return source->block != NULL ? SVO_OK
                                  : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for triangles", path);
@@ -290,11 +306,16 @@ static svo_status next_block(triangle_source *source, size_t *count)
     const uint64_t left = source->count - source->read;
     *count = left < BLOCK_RECORDS ? (size_t)left : BLOCK_RECORDS;
     if (*count == 0) {
-        XXH3_64bits_update(&source->hash, &source->tail, offsetof(triangle_tail, hash));
-        return source->tail.hash == XXH3_64bits_digest(&source->hash) ? SVO_OK : damaged(source);
+        const uint64_t hash = XXH3_64bits_withSeed(&source->tail, offsetof(triangle_tail, hash), source->hash.value);
+        return source->tail.hash == hash ? SVO_OK : damaged(source);
     }
     SVO_I_TRY(read_bytes(source, source->read * source->record_bytes, source->block, *count * source->record_bytes));
-    XXH3_64bits_update(&source->hash, source->block, *count * source->record_bytes);
+    for (size_t i = 0; i < *count; ++i) {
+        const unsigned char *record = source->block + i * source->record_bytes;
+        uint32_t name = 0;
+        memcpy(&name, record, sizeof name);
+        svo_i_triangle_hash_add(&source->hash, svo_i_triangle_hash_of(record, source->record_bytes), name);
+    }
     source->read += *count;
     return SVO_OK;
 }
@@ -443,7 +464,7 @@ static void find_halves(const divider *d, const unsigned char *record, unsigned 
     }
 }
 
-static svo_status divide_record(divider *d, const unsigned char *record, size_t record_bytes)
+static svo_status divide_record(divider *d, const unsigned char *record)
 {
     unsigned halves[3];
     find_halves(d, record, halves);
@@ -453,9 +474,7 @@ static svo_status divide_record(divider *d, const unsigned char *record, size_t 
             meets = meets && (halves[axis] >> (octant >> axis & 1u) & 1u) != 0;
         }
         if (meets) {
-            unsigned char *to = NULL;
-            SVO_I_TRY(next_record(&d->files[octant], &to));
-            memcpy(to, record, record_bytes);
+            SVO_I_TRY(append_record(&d->files[octant], record));
         }
     }
     return SVO_OK;
@@ -474,7 +493,6 @@ static void find_middle(divider *d, uint32_t level, uint64_t code)
 svo_status svo_i_triangles_split(const svo_part_header *header, const svo_i_triangles_of *of, const char *path,
                                  char *const paths[8], uint64_t counts[8], svo_message *message)
 {
-    XXH3_state_t states[8];
     triangle_source source = {.file = -1};
     svo_status status = SVO_OK;
     divider *d = svo_i_alloc_zeroed(NULL, 1, sizeof *d);
@@ -487,29 +505,28 @@ svo_status svo_i_triangles_split(const svo_part_header *header, const svo_i_tria
     find_middle(d, of->level, of->code);
     SVO_I_TRY_CLEANUP(open_source(&source, path, of, message));
     for (unsigned octant = 0; octant < 8; ++octant) {
-        SVO_I_TRY_CLEANUP(
-            svo_i_triangles_begin(&d->files[octant], &states[octant], paths[octant], of->fields, message));
+        SVO_I_TRY_CLEANUP(begin_file(&d->files[octant], paths[octant], of->fields, message));
     }
     size_t count = 0;
     do {
         SVO_I_TRY_CLEANUP(next_block(&source, &count));
         for (size_t i = 0; i < count; ++i) {
-            SVO_I_TRY_CLEANUP(divide_record(d, source.block + i * source.record_bytes, source.record_bytes));
+            SVO_I_TRY_CLEANUP(divide_record(d, source.block + i * source.record_bytes));
         }
     } while (count > 0);
     for (unsigned octant = 0; octant < 8; ++octant) {
-        counts[octant] = d->files[octant].count;
+        counts[octant] = d->files[octant].hash.count;
         if (counts[octant] > 0) {
             const svo_i_triangles_of child = {.plan = {of->plan[0], of->plan[1]},
                                               .code = of->code << 3 | octant,
                                               .level = of->level + 1,
                                               .fields = of->fields};
-            SVO_I_TRY_CLEANUP(svo_i_triangles_finish(&d->files[octant], &child));
+            SVO_I_TRY_CLEANUP(finish_file(&d->files[octant], &child));
         }
     }
 cleanup:
     for (unsigned octant = 0; octant < 8; ++octant) {
-        svo_i_triangles_end(&d->files[octant]);
+        end_file(&d->files[octant]);
     }
     close_source(&source);
     svo_i_free(d);

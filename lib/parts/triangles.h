@@ -7,10 +7,13 @@
  *   n * r    n records of r bytes: name and material, 4 bytes each; then for three corners positions (floats or
  *            doubles), normals, colors and texture coordinates, those that the fields name
  *   8        magic
- *   4        version, 3; files of version 1 had nothing but the checksum after the records
+ *   4        version, 4; files of version 1 had nothing but the checksum after the records
  *   4        r
  *   32       svo_i_triangles_of: the plan that the triangles are of, the part's place, the fields
- *   8        XXH3 of all before
+ *   8        XXH3 of the tail before, seeded with the records' hash
+ *
+ * The records' hash is one of hashes of records, which those of two runs of records make without the records: so
+ * several processes may write one file, each its own records, and whoever writes the tail reads none.
  */
 #ifndef SVO_LIB_PARTS_TRIANGLES_H
 #define SVO_LIB_PARTS_TRIANGLES_H
@@ -37,28 +40,45 @@ typedef struct svo_i_triangles_of {
     uint32_t fields;
 } svo_i_triangles_of;
 
+/* The hash of a run of records: a polynomial of the records' hashes, modulo 2^64 (Karp and Rabin, "Efficient Randomized
+   Pattern-Matching Algorithms", 1987). */
+typedef struct svo_i_triangle_hash {
+    uint64_t count; /* of records */
+    uint64_t value;
+} svo_i_triangle_hash;
+
+#define TRIANGLE_HASH_FACTOR UINT64_C(0x9e3779b97f4a7c15)
+
+/* The hash of a record but for its name. */
+uint64_t svo_i_triangle_hash_of(const unsigned char *record, size_t record_bytes);
+/* Appends a record of that hash. name: 0 where records have none yet. */
+static inline void svo_i_triangle_hash_add(svo_i_triangle_hash *to, uint64_t of_record, uint32_t name)
+{
+    ++to->count;
+    to->value = to->value * TRIANGLE_HASH_FACTOR + (of_record ^ name * UINT64_C(0xd6e8feb86659fd93));
+}
+/* Appends a run. */
+void svo_i_triangle_hash_append(svo_i_triangle_hash *to, const svo_i_triangle_hash *run);
+
+/* Writes a triangle of a mesh as a record. */
+void svo_i_triangle_put(const svo_mesh *mesh, uint32_t fields, uint32_t triangle, uint32_t name, unsigned char *record);
+
 /* A file of triangles that is being written. */
 typedef struct svo_i_triangle_file {
     svo_i_output output;
     const char *path;
     svo_message *message;
-    void *hash; /* an XXH3_state_t of the caller's, since memory of svo_i_alloc is not aligned enough for it */
+    svo_i_triangle_hash hash;
     uint32_t fields;
     size_t record_bytes;
     unsigned char *block; /* NULL: not begun */
     size_t filled, block_bytes;
-    uint64_t count; /* of triangles */
 } svo_i_triangle_file;
 
-/* Begins a file, appends the triangles of a mesh that ids names, each called by its place in the file, and finishes it.
-   hash and path must outlive the file. To be ended also after a failure. */
-svo_status svo_i_triangles_begin(svo_i_triangle_file *file, void *hash, const char *path, uint32_t fields,
-                                 svo_message *message);
-svo_status svo_i_triangles_append(svo_i_triangle_file *file, const svo_mesh *mesh, const uint32_t *ids, uint32_t count);
-/* The hash of all records, before the file is finished. */
-svo_status svo_i_triangles_hash(svo_i_triangle_file *file, uint64_t *hash);
-svo_status svo_i_triangles_finish(svo_i_triangle_file *file, const svo_i_triangles_of *of);
-void svo_i_triangles_end(svo_i_triangle_file *file);
+/* What follows the records of a part's file that is there already, as sections.c writes it. */
+svo_status svo_i_triangles_write_tail(const char *path, const svo_i_triangles_of *of, const svo_i_triangle_hash *hash,
+                                      svo_message *message);
+
 /* Triangles with corners of their own, as a mesh without materials. */
 typedef struct svo_i_soup {
     svo_mesh mesh;

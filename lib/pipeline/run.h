@@ -42,7 +42,12 @@ svo_status svo_i_measure(svo_plan *plan, svo_frontend *frontend, const svo_i_chu
 svo_status svo_i_compile(svo_i_build *build);
 /* The same for the fragment list alone. */
 svo_status svo_i_compile_frontend(svo_i_build *build);
+
+SVO_I_SHARED_BEGIN
+
 /* Fills the plan's list of buffers with a prediction, and sets its predicted_bytes. */
 svo_status svo_i_predict(svo_plan *plan);
+
+SVO_I_SHARED_END
 
 #endif

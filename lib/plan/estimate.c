@@ -53,13 +53,11 @@ static polygon cut(const polygon *from, unsigned axis, int32_t side, int32_t bou
     return to;
 }
 
-static polygon clip_to_grid(const svo_plan *plan, const uint32_t corners[3])
+/* Clips to a grid of so many units. */
+static polygon clip_to_grid(const int32_t corners[3][3], int32_t units)
 {
     polygon p = {.count = 3};
-    for (unsigned corner = 0; corner < 3; ++corner) {
-        memcpy(p.corners[corner], plan->vertices + (size_t)corners[corner] * 3, sizeof p.corners[corner]);
-    }
-    const int32_t units = (int32_t)(1u << plan->info.snap_bits);
+    memcpy(p.corners, corners, 3 * sizeof p.corners[0]);
     for (unsigned axis = 0; axis < 3; ++axis) {
         bool above = false;
         bool below = false;
@@ -108,11 +106,22 @@ static uint64_t sum_of_doubled_areas(const polygon *p)
     return sum;
 }
 
+void svo_i_estimate_sums(const int32_t corners[3][3], uint32_t units_log2, uint64_t *widths, uint64_t *doubled_areas)
+{
+    const polygon part = clip_to_grid(corners, (int32_t)(1u << units_log2));
+    *widths = sum_of_widths(&part);
+    *doubled_areas = sum_of_doubled_areas(&part);
+}
+
 float svo_i_estimate_add(svo_plan *plan, const uint32_t corners[3])
 {
-    const polygon part = clip_to_grid(plan, corners);
-    const uint64_t widths = sum_of_widths(&part);
-    const uint64_t doubled_areas = sum_of_doubled_areas(&part);
+    int32_t snapped[3][3];
+    uint64_t widths = 0;
+    uint64_t doubled_areas = 0;
+    for (unsigned corner = 0; corner < 3; ++corner) {
+        memcpy(snapped[corner], plan->vertices + (size_t)corners[corner] * 3, sizeof snapped[corner]);
+    }
+    svo_i_estimate_sums((const int32_t(*)[3])snapped, plan->info.snap_bits, &widths, &doubled_areas);
     /* One fragment in units of the last term's, 1 / (2 h^2). The sum is below 2^52. */
     const uint32_t one_log2 = 2 * plan->voxel_log2 + 1;
     const uint64_t scaled = (UINT64_C(1) << one_log2) + (widths << (plan->voxel_log2 + 1)) + doubled_areas;

@@ -9,8 +9,6 @@
 float svo_i_estimate_add(svo_plan *plan, const uint32_t corners[3]);
 /* Makes the estimate of the sums and the number of kept triangles. */
 void svo_i_estimate_end(svo_plan *plan);
-/* Expected number of fragments at a level. */
-double svo_i_plan_expected(const svo_plan *plan, uint32_t level);
 /* svo_plan_info.ray_depth */
 uint32_t svo_i_plan_ray_depth(const svo_plan *plan);
 /* The expected number with a margin. */
@@ -20,6 +18,11 @@ uint64_t svo_i_plan_level_nodes(const svo_plan *plan, uint32_t level, uint64_t f
 
 SVO_I_SHARED_BEGIN
 
+/* What a triangle adds to the sums: of its widths, and of twice the areas of its projections, as far as it is in a grid
+   of 2^units_log2 units. */
+void svo_i_estimate_sums(const int32_t corners[3][3], uint32_t units_log2, uint64_t *widths, uint64_t *doubled_areas);
+/* Expected number of fragments at a level. */
+double svo_i_plan_expected(const svo_plan *plan, uint32_t level);
 /* Bytes of a fragment in the list. */
 uint32_t svo_i_plan_fragment_bytes(const svo_plan *plan);
 /* The sum of svo_i_plan_level_nodes over all inner levels. */

@@ -97,8 +97,7 @@ svo_status svo_plan_get_part_header(const svo_plan *plan, svo_part_header *heade
 
 svo_status svo_i_survey_begin(svo_plan *empty, svo_i_survey *survey)
 {
-    *survey = (svo_i_survey){.whole = empty,
-                             .bounds = {false, {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}};
+    *survey = (svo_i_survey){.whole = empty, .bounds = svo_i_survey_no_bounds()};
     const uint32_t need = empty->options.need & WHOLE_NEEDS;
     if (svo_i_plan_is_part(empty)) {
         return svo_i_device_fail(empty->device, SVO_INVALID_ARGUMENT, NAME ": options.part_header is not NULL");
@@ -177,7 +176,7 @@ static void add_counts(svo_i_survey *survey, const svo_plan *block)
     survey->kept += block->triangle_count;
 }
 
-/* Adds the findings of a block with triangles. */
+/* Adds the findings of a block with triangles, before its counts. */
 static void add_findings(svo_i_survey *survey, const svo_i_findings *block)
 {
     svo_i_findings *found = &survey->found;
@@ -207,7 +206,8 @@ static svo_status find(svo_i_survey *survey, svo_plan *block, const svo_mesh *me
     return SVO_OK;
 }
 
-svo_status svo_i_survey_add(svo_i_survey *survey, const svo_mesh *block, uint32_t *kept, uint32_t *kept_count)
+svo_status svo_i_survey_add(svo_i_survey *survey, const svo_mesh *block, uint32_t *kept, int32_t (*corners)[3][3],
+                            uint32_t *kept_count)
 {
     svo_device *device = survey->whole->device;
     svo_status status = SVO_OK;
@@ -224,9 +224,79 @@ svo_status svo_i_survey_add(svo_i_survey *survey, const svo_mesh *block, uint32_
     }
     *kept_count = plan->triangle_count;
     memcpy(kept, plan->triangle_ids, plan->triangle_count * sizeof *kept);
+    for (uint32_t i = 0; i < 3 * plan->triangle_count; ++i) {
+        memcpy(corners[i / 3][i % 3], plan->vertices + (size_t)plan->indices[i] * 3, sizeof corners[0][0]);
+    }
 cleanup:
     svo_plan_destroy(&plan);
     return status;
+}
+
+void svo_i_survey_get(const svo_i_survey *survey, svo_i_survey_sums *sums)
+{
+    const svo_plan *whole = survey->whole;
+    *sums = (svo_i_survey_sums){.bounds = survey->bounds,
+                                .found = survey->found,
+                                .sums = whole->sums,
+                                .triangles = whole->info.triangles,
+                                .refused_triangles = whole->info.refused_triangles,
+                                .outside_triangles = whole->info.outside_triangles,
+                                .kept = survey->kept,
+                                .need = whole->info.need,
+                                .has_colors = survey->has_colors,
+                                .has_normals = survey->has_normals,
+                                .has_material = survey->material_used[0] != 0};
+    sums->found.material_used = NULL;
+}
+
+void svo_i_survey_append(svo_i_survey *survey, const svo_i_survey_sums *next)
+{
+    svo_plan *whole = survey->whole;
+    if (next->kept > 0) {
+        add_findings(survey, &next->found);
+    }
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        svo_i_bounds *bounds = &survey->bounds;
+        bounds->any = bounds->any || next->bounds.any;
+        bounds->low[axis] = fmin(bounds->low[axis], next->bounds.low[axis]);
+        bounds->high[axis] = fmax(bounds->high[axis], next->bounds.high[axis]);
+    }
+    whole->info.triangles += next->triangles;
+    whole->info.refused_triangles += next->refused_triangles;
+    whole->info.outside_triangles += next->outside_triangles;
+    whole->sums.widths += next->sums.widths;
+    whole->sums.areas_high += next->sums.areas_high;
+    whole->sums.areas_low += next->sums.areas_low;
+    whole->info.need = next->need;
+    survey->kept += next->kept;
+    survey->has_colors = next->has_colors;
+    survey->has_normals = next->has_normals;
+    survey->material_used[0] |= next->has_material ? 1 : 0;
+}
+
+bool svo_i_survey_places(const svo_part_header *header, const svo_snap *snap, const svo_mesh *block, size_t triangle,
+                         int32_t corners[3][3])
+{
+    const float *from = block->positions + triangle * 9;
+    const int32_t units = (int32_t)(1u << header->snap_bits);
+    const int32_t closed = header->coverage == SVO_COVERAGE_CLOSED ? 1 : 0;
+    if (!is_finite(from)) {
+        return false;
+    }
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        int32_t low = INT32_MAX;
+        int32_t high = INT32_MIN;
+        for (unsigned corner = 0; corner < 3; ++corner) {
+            const int32_t q = svo_snap_coordinate(snap, (double)from[3 * (size_t)corner + axis], header->origin[axis]);
+            corners[corner][axis] = q;
+            low = q < low ? q : low;
+            high = q > high ? q : high;
+        }
+        if (low <= -SVO_UNITS_FAR || high >= SVO_UNITS_FAR || high < 0 || low >= units + closed) {
+            return false;
+        }
+    }
+    return true;
 }
 
 /* ---- the whole ---- */

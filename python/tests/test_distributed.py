@@ -20,7 +20,7 @@ import pytest
 import shapes
 
 import svocl
-from svocl.distributed import _run, _tasks
+from svocl.distributed import _run, _tasks, plan_parts
 from svocl.distributed.__main__ import read_options
 
 pytest.importorskip("distributed", reason="Dask's distributed is not installed (pip install distributed)")
@@ -56,6 +56,20 @@ def whole(device, mesh):
     """The hash of the tree in one piece."""
     with device.build(mesh, DEPTH) as tree:
         return tree.hash()
+
+
+@pytest.fixture(scope="module")
+def ply_file(mesh_file):
+    """The same mesh as a file that is read by ranges."""
+    positions, indices = shapes.torus(48, 24)
+    header = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(positions)}\n"
+    header += "".join(f"property float {axis}\n" for axis in "xyz")
+    header += f"element face {len(indices)}\nproperty list uchar uint vertex_indices\nend_header\n"
+    faces = np.empty(len(indices), [("count", "u1"), ("corners", "<u4", 3)])
+    faces["count"], faces["corners"] = 3, indices
+    path = mesh_file.with_suffix(".ply")
+    path.write_bytes(header.encode() + positions.astype("<f4").tobytes() + faces.tobytes())
+    return path
 
 
 class Pool:
@@ -258,6 +272,61 @@ def test_one_hash_for_any_number_of_workers(mesh_file, whole, tmp_path, workers)
     assert sum(worker["parts"] for worker in document["workers"]) == document["parts"] > 10
     assert "100%" in errors
     expect_tree(path, whole)
+
+
+def files_of(folder):
+    """The bytes of a plan's files, by name."""
+    return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_one_plan_for_any_number_of_ranges(device, mesh, ply_file, tmp_path):
+    plans = []
+    for ranges in (1, 5):
+        folder = tmp_path / "folder"
+        with svocl.PartsPlanning(device, ply_file, DEPTH, folder, PART_BYTES, ranges) as planning:
+            steps = 0
+            while count := planning.task_count():
+                assert count == ranges
+                tasks = [planning.task(index) for index in range(count)]
+                for index in reversed(range(count)):
+                    planning.take(index, svocl.PartsPlanning.work(device, tasks[index]))
+                steps += 1
+            assert steps == 3
+            with planning.finish() as parts:
+                assert len(parts) > 10
+        plans.append(files_of(folder))
+        svocl.Parts.remove(folder)
+    with svocl.Parts.create_from_file(device, ply_file, DEPTH, folder, max_bytes=PART_BYTES):
+        plans.append(files_of(folder))
+    assert plans[0] == plans[1] == plans[2]
+    with pytest.raises(svocl.UnsupportedError, match="binary"):
+        svocl.PartsPlanning(device, ply_file.with_suffix(".obj"), DEPTH, folder, PART_BYTES, 2)
+    with pytest.raises(svocl.InvalidArgumentError, match="task is none"):
+        svocl.PartsPlanning.work(device, b"no task")
+    svocl.Parts.remove(folder)
+    with svocl.Parts.create_from_file(device, ply_file.with_suffix(".obj"), DEPTH, folder) as parts:
+        assert len(parts) == 1
+    svocl.Parts.remove(folder)
+
+
+def test_workers_plan(ply_file, whole, tmp_path):
+    path = tmp_path / "tree.svo"
+    code, document, errors = run(ply_file, path, "--workers", "2", "--ranges", "3")
+    assert code == 0 and document["parts"] > 10 and "in its place" not in errors
+    expect_tree(path, whole)
+
+
+def test_what_workers_cannot_plan_is_planned_here(pool, device, ply_file, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    pool.environment["SVOCL_DEVICE"] = "none of this name"
+    pool.worker()
+    lines = []
+    folder = tmp_path / "folder"
+    with distributed.Client(pool.address, set_as_default=False) as client:
+        with svocl.PartsPlanning(device, ply_file, DEPTH, folder, PART_BYTES, 2) as planning:
+            with plan_parts(client, planning, device, report=lines.append) as parts:
+                assert len(parts) > 10
+    assert len(lines) == 1 and "none of this name" in lines[0]
 
 
 @long

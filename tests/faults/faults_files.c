@@ -355,13 +355,50 @@ static void digest_parts(subject *of)
     faults_spare(false);
 }
 
+/* Does a task of a planning, and gives its result back. */
+static svo_status plan_range(subject *of, svo_parts_planning *planning, size_t index)
+{
+    const void *task = NULL;
+    void *result = NULL;
+    size_t task_bytes = 0;
+    size_t result_bytes = 0;
+    SVO_I_TRY(svo_parts_planning_task(planning, index, &task, &task_bytes, &of->message));
+    SVO_I_TRY(svo_parts_planning_work(world.device, task, task_bytes, &result, &result_bytes, &of->message));
+    const svo_status status = svo_parts_planning_take(planning, index, result, result_bytes, &of->message);
+    svo_parts_planning_free(result);
+    return status;
+}
+
+/* Plans a file in two ranges. */
+static svo_status plan_ranges(subject *of, const svo_plan_options *options, const char *folder, uint64_t max_bytes)
+{
+    svo_parts_planning *planning = NULL;
+    size_t count = 0;
+    svo_status status = SVO_OK;
+    SVO_I_TRY(svo_parts_planning_begin(world.device, of->mesh_path, DEPTH, options, max_bytes, folder, 2, &planning,
+                                       &of->message));
+    do {
+        SVO_I_TRY_CLEANUP(svo_parts_planning_tasks(planning, &count, &of->message));
+        for (size_t i = 0; i < count; ++i) {
+            SVO_I_TRY_CLEANUP(plan_range(of, planning, i));
+        }
+    } while (count > 0);
+    status = svo_parts_planning_finish(planning, &of->message);
+cleanup:
+    svo_parts_planning_end(&planning);
+    return status;
+}
+
 /* Fills the folder from the mesh in memory, with rays and all else, or from its file where there is one: with all that
-   blocks of a file can have. */
+   blocks of a file can have, by ranges where they are facets. */
 static svo_status create_parts(subject *of, const char *folder, uint64_t max_bytes)
 {
     static const svo_plan_options of_blocks = {.struct_size = sizeof of_blocks,
                                                .need = (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_MATERIAL |
                                                        (uint32_t)SVO_NEED_FILL};
+    if (of->mesh_path != NULL && strstr(of->mesh_path, ".stl") != NULL) {
+        return plan_ranges(of, &of_blocks, folder, max_bytes);
+    }
     return of->mesh_path == NULL
                ? svo_parts_create(world.device, &world.mesh.mesh, DEPTH, &everything, max_bytes, folder, &of->message)
                : svo_parts_create_from_file(world.device, of->mesh_path, DEPTH, &of_blocks, max_bytes, folder,

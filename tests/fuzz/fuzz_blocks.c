@@ -70,8 +70,16 @@ static void compare(svo_i_blocks *blocks, const uint8_t *data, size_t byte_count
                           .message = &message};
     const svo_status status = svo_i_read_mesh(&reader, data[0] == 1 ? MESH_FORMAT_PLY : MESH_FORMAT_STL);
     REQUIRE(status == SVO_OK || strcmp(message.text, "no triangles") == 0);
-    svo_i_blocks_rewind(blocks);
+    const svo_i_blocks_extent extent = svo_i_blocks_get_extent(blocks);
+    svo_i_bounds bounds = {.any = false};
+    bool any_color = false;
+    REQUIRE(svo_i_blocks_bounds(blocks, 0, extent.vertices, &bounds, &any_color) == SVO_OK);
+    svo_i_blocks_select(blocks, 0, extent.items, any_color);
     REQUIRE(read_all(blocks, &mesh) == SVO_OK);
+    for (uint64_t i = 0; extent.is_even && i < 3; ++i) {
+        svo_i_blocks_select(blocks, extent.items * i / 3, extent.items * (i + 1) / 3, any_color);
+        REQUIRE(read_all(blocks, NULL) == SVO_OK || svo_i_blocks_is_uneven(blocks));
+    }
     svo_i_gather_free(&mesh);
 }
 

@@ -1104,7 +1104,7 @@ static void test_triangles_of_another_plan(void **state)
     assert_non_null(older);
     memcpy(older, own.contents[0], own.bytes[0]);
     memcpy(older + records, &sum, sizeof sum);
-    expect_refused(&j, &own, folder, older, records + sizeof sum, "no file of triangles of version 3");
+    expect_refused(&j, &own, folder, older, records + sizeof sum, "no file of triangles of version 4");
     free(older);
     write_file(own.paths[0], own.contents[0], own.bytes[0]);
     build_folder(&j, j.opened.device, folder);

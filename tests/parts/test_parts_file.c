@@ -509,6 +509,192 @@ static void test_counts_above_the_file(void **state)
     expect(&opened, "many.stl", SVO_IMPORT_FAILED, "no triangles");
 }
 
+/* ---- ranges ---- */
+
+/* Does a task, and takes its result; twice: a worker that was given up may go on. */
+static void plan_range(const fixture *opened, svo_parts_planning *planning, size_t index)
+{
+    const void *task = NULL;
+    void *results[2] = {NULL};
+    size_t task_bytes = 0;
+    size_t result_bytes = 0;
+    svo_message message;
+    check(svo_parts_planning_task(planning, index, &task, &task_bytes, &message), message.text);
+    for (unsigned turn = 0; turn < 2; ++turn) {
+        check(svo_parts_planning_work(opened->device, task, task_bytes, &results[turn], &result_bytes, &message),
+              message.text);
+    }
+    assert_int_equal(svo_parts_planning_take(planning, index, results[0], result_bytes - 1, &message),
+                     SVO_INVALID_ARGUMENT);
+    check(svo_parts_planning_take(planning, index, results[1], result_bytes, &message), message.text);
+    svo_parts_planning_free(results[0]);
+    svo_parts_planning_free(results[1]);
+}
+
+/* Plans a file in ranges, the last first. Returns how many ranges the last step had. */
+static size_t plan_ranges(const fixture *opened, const char *name, const svo_plan_options *options, unsigned ranges)
+{
+    char path[PATH_BYTES];
+    char folder[PATH_BYTES];
+    svo_parts_planning *planning = NULL;
+    svo_message message;
+    size_t count = 0;
+    size_t last_count = 0;
+    name_of(name, path);
+    name_of("folder", folder);
+    check(svo_parts_planning_begin(opened->device, path, DEPTH, options, LIMIT, folder, ranges, &planning, &message),
+          message.text);
+    assert_int_equal(svo_parts_planning_finish(planning, &message), SVO_INVALID_ARGUMENT);
+    for (;;) {
+        check(svo_parts_planning_tasks(planning, &count, &message), message.text);
+        if (count == 0) {
+            break;
+        }
+        last_count = count;
+        for (size_t i = count; i-- > 0;) {
+            plan_range(opened, planning, i);
+        }
+    }
+    check(svo_parts_planning_finish(planning, &message), message.text);
+    svo_parts_planning_end(&planning);
+    return last_count;
+}
+
+/* The files of a folder's plan, one after the other. */
+static bytes read_plan(uint64_t *triangles)
+{
+    char folder[PATH_BYTES];
+    char name[PATH_BYTES + 64];
+    char identity[SVO_PARTS_IDENTITY_BYTES];
+    svo_parts *parts = NULL;
+    svo_message message;
+    name_of("folder", folder);
+    check(svo_parts_open(folder, &parts, &message), message.text);
+    check(svo_parts_get_identity(parts, identity, &message), message.text);
+    bytes all = read_file("folder/plan");
+    *triangles = 0;
+    for (size_t i = 0; i < svo_parts_count(parts); ++i) {
+        svo_parts_entry entry = SVO_PARTS_ENTRY_INIT;
+        check(svo_parts_get(parts, i, &entry, &message), message.text);
+        (void)snprintf(name, sizeof name, "folder/%s/%u-%llx.tri", identity, entry.level,
+                       (unsigned long long)entry.code);
+        bytes file = read_file(name);
+        put(&all, file.at, file.count);
+        free(file.at);
+        *triangles += entry.triangles;
+    }
+    svo_parts_close(&parts);
+    return all;
+}
+
+/* Any number of ranges gives the same plan, byte for byte, and the tree of the mesh in one piece. */
+static void compare_ranges(const fixture *opened, const char *name, bytes file, bool is_even)
+{
+    char folder[PATH_BYTES];
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    svo_message message;
+    uint64_t triangles = 0;
+    options.need = NEED_PAYLOAD;
+    write_bytes(name, file.at, file.count);
+    free(file.at);
+    name_of("folder", folder);
+    check(create(opened, name, &options, &message), message.text);
+    const bytes one = read_plan(&triangles);
+    check(svo_parts_remove(folder, &message), message.text);
+    for (unsigned ranges = 1; ranges <= 7; ranges += 3) {
+        assert_int_equal(plan_ranges(opened, name, &options, ranges), is_even ? ranges : 1);
+        bytes many = read_plan(&triangles);
+        if (many.count != one.count || memcmp(many.at, one.at, one.count) != 0) {
+            fail_msg("%s: the plans of 1 and %u ranges differ", name, ranges);
+        }
+        free(many.at);
+        if (ranges < 7) {
+            check(svo_parts_remove(folder, &message), message.text);
+        }
+    }
+    assert_true(build_parts(opened, folder) > 1);
+    build_whole(opened, name, &options);
+    assert_same_files(name);
+    free(one.at);
+}
+
+static void test_ranges(void **state)
+{
+    fixture opened = fixture_cl_of_group(state);
+    const ply_form triangles = {.corners = 3, .colors = true, .normals = true};
+    const ply_form quads = {.corners = 4, .big_endian = true, .colors = true};
+    const ply_form mixed = {.corners = 4, .damaged = true};
+    compare_ranges(&opened, "surface.ply", make_ply(&triangles, SIDE), true);
+    compare_ranges(&opened, "surface.ply", make_ply(&quads, 40), true);
+    compare_ranges(&opened, "surface.ply", make_ply(&mixed, 40), false);
+    compare_ranges(&opened, "surface.stl", make_stl(40, 1), true);
+}
+
+/* Faces of five corners and of three that fill the file as so many of four would: it looks even, and is not. */
+static void test_ranges_of_uneven_faces(void **state)
+{
+    fixture opened = fixture_cl_of_group(state);
+    const ply_form form = {.corners = 4};
+    bytes file = {.at = NULL};
+    const unsigned side = 40;
+    put_ply_header(&file, &form, (side + 1) * (side + 1), 2 * (side - 1) * side);
+    put_ply_vertices(&file, &form, side);
+    for (unsigned face = 0; face < 2 * (side - 1) * side; ++face) {
+        const int first = (int)(face / 2 / (side - 1) * (side + 1) + face / 2 % (side - 1));
+        const int edge = (int)side + 1;
+        const int rings[3][5] = {{first, first + 1, first + edge + 1, first + edge},
+                                 {first, first + 1, first + 2, first + edge + 1, first + edge},
+                                 {first + 2, first + edge + 2, first + edge + 1}};
+        const unsigned kind = face < 2 * side ? 0 : 1 + face % 2;
+        const unsigned corners = kind == 0 ? 4 : kind == 1 ? 5 : 3;
+        put_byte(&file, corners);
+        for (unsigned i = 0; i < corners; ++i) {
+            put_int(&file, rings[kind][i]);
+        }
+    }
+    compare_ranges(&opened, "surface.ply", file, false);
+}
+
+/* Vertices that no triangle uses do not widen the grid, however far they are. */
+static void test_unused_vertices(void **state)
+{
+    fixture opened = fixture_cl_of_group(state);
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    const ply_form form = {.corners = 3};
+    for (unsigned way = 0; way < 2; ++way) {
+        bytes file = {.at = NULL};
+        put_ply_header(&file, &form, 41 * 41 + 1, faces_of(&form, 40));
+        put_ply_vertices(&file, &form, 40);
+        put_float(&file, 0.0f);
+        put_float(&file, way == 0 ? -3.0f : 3e38f);
+        put_float(&file, way == 0 ? 0.0f : -3e38f);
+        put_ply_faces(&file, &form, 40);
+        compare(&opened, "surface.ply", file, &options);
+    }
+}
+
+/* Each triangle is written once to the parts that it may meet: not much more often than there are triangles. */
+static void test_triangles_are_written_once(void **state)
+{
+    fixture opened = fixture_cl_of_group(state);
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    svo_message message;
+    char path[PATH_BYTES];
+    char folder[PATH_BYTES];
+    uint64_t triangles = 0;
+    bytes file = make_stl(SIDE, 0);
+    write_bytes("surface.stl", file.at, file.count);
+    free(file.at);
+    name_of("folder", folder);
+    name_of("surface.stl", path);
+    check(svo_parts_create_from_file(opened.device, path, DEPTH, &options, 8 * LIMIT, folder, &message), message.text);
+    bytes all = read_plan(&triangles);
+    free(all.at);
+    assert_true(triangles > 2 * SIDE * SIDE); /* there are parts */
+    assert_in_range(triangles, 2 * SIDE * SIDE, 2 * SIDE * SIDE * 5 / 4);
+    check(svo_parts_remove(folder, &message), message.text);
+}
+
 static void test_bad_requests(void **state)
 {
     fixture opened = fixture_cl_of_group(state);
@@ -516,7 +702,12 @@ static void test_bad_requests(void **state)
     assert_int_equal(svo_parts_create_from_file(NULL, "a", 4, NULL, 1, "b", &message), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_parts_create_from_file(opened.device, NULL, 4, NULL, 1, "b", &message), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_parts_create_from_file(opened.device, "a", 4, NULL, 1, NULL, &message), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_parts_create_from_file(opened.device, "a", 4, NULL, 0, "b", &message), SVO_INVALID_ARGUMENT);
+    svo_parts_planning *planning = NULL;
+    for (unsigned ranges = 0; ranges <= 65537; ranges += 65537) {
+        assert_int_equal(svo_parts_planning_begin(opened.device, "a", 4, NULL, 1, "b", ranges, &planning, &message),
+                         SVO_INVALID_ARGUMENT);
+        assert_non_null(strstr(message.text, "is not in 1 .. 65536"));
+    }
     bytes file = make_stl(2, 0);
     write_bytes("b.stl", file.at, file.count);
     free(file.at);
@@ -539,6 +730,10 @@ TEST_GROUP(parts_file)
         cmocka_unit_test(test_files_that_are_imported),
         cmocka_unit_test(test_truncated_files),
         cmocka_unit_test(test_counts_above_the_file),
+        cmocka_unit_test(test_ranges),
+        cmocka_unit_test(test_ranges_of_uneven_faces),
+        cmocka_unit_test(test_unused_vertices),
+        cmocka_unit_test(test_triangles_are_written_once),
         cmocka_unit_test(test_bad_requests),
     };
     return cmocka_run_group_tests_name("parts_file", tests, fixture_folder_setup, fixture_folder_teardown);

@@ -131,7 +131,7 @@ from ._moving import Moving
 from ._opencl import Event
 from ._page import png
 from ._paged import Paged
-from ._parts import Parts, PartEntry
+from ._parts import Parts, PartEntry, PartsPlanning
 from ._plan import Plan
 from ._probes import Probes
 from ._scene import Scene, SceneLight, make_instances
@@ -215,6 +215,7 @@ __all__ = [
     "PagedInfo",
     "PartEntry",
     "Parts",
+    "PartsPlanning",
     "Plan",
     "PlanBuffer",
     "PlanInfo",

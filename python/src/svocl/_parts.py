@@ -12,9 +12,9 @@ from . import _arrays, _structs
 from ._callbacks import call
 from ._device import Device, plan_options
 from ._errors import error, text
-from ._generated import Builder, Coverage, Need, Weights
+from ._generated import Builder, Coverage, Need, UnsupportedError, Weights
 from ._handle import Guard, Handle, Native
-from ._mesh import Path, encode, mesh_of, need_io
+from ._mesh import Path, encode, mesh_of, need_io, read_mesh
 from ._native import ffi, lib
 
 
@@ -105,6 +105,52 @@ class Parts(Handle):
         if status != lib.SVO_OK:
             raise error(status, text(message.text))
         return cls(folder)
+
+    @classmethod
+    def create_from_file(
+        cls,
+        device: Device,
+        path: Path,
+        depth: int,
+        folder: Path,
+        *,
+        max_bytes: int = 0,
+        need: Need = Need.DEFAULT,
+        coverage: Coverage = Coverage.HALF_OPEN,
+        weights: Weights = Weights.AREA,
+        payload_level: int = 0,
+        origin: Optional[Sequence[float]] = None,
+        edge: Optional[float] = None,
+        drop_alpha: float = 0.0,
+    ) -> "Parts":
+        """Plans the parts of a mesh file. Binary STL, and binary PLY with vertices and faces alone, are read in blocks:
+        the mesh is never in memory as a whole. Other files are read by read_mesh, and so are all where rays or
+        projected areas are needed.
+
+        Args:
+            path: the mesh file.
+            device, depth, folder, max_bytes and the others: see create.
+
+        Raises:
+            ImportFailedError: the file cannot be read.
+            What create raises.
+        """
+        options: dict[str, Any] = {
+            "need": need,
+            "coverage": coverage,
+            "weights": weights,
+            "origin": origin,
+            "edge": edge,
+        }
+        options.update(payload_level=payload_level, drop_alpha=drop_alpha)
+        try:
+            with PartsPlanning(device, path, depth, folder, max_bytes, 1, **options) as planning:
+                while planning.task_count():
+                    planning.take(0, planning.work(device, planning.task(0)))
+                return planning.finish()
+        except UnsupportedError as problem:
+            logging.getLogger("svocl").info("%s", problem)
+        return cls.create(device, read_mesh(path), depth, folder, max_bytes=max_bytes, **options)
 
     @staticmethod
     @contextlib.contextmanager
@@ -219,6 +265,121 @@ class Parts(Handle):
 
     def __repr__(self) -> str:
         return "<svocl.Parts: closed>" if self.closed else f"<svocl.Parts: {len(self)} parts in {self.folder}>"
+
+
+class PartsPlanning(Handle):
+    """Planning from a mesh file by any number of processes, in steps: work does a task anywhere, also several at once,
+    and take brings back what it returned. After the last result of a step, the next one's tasks are there.
+
+        with svocl.PartsPlanning(device, path, depth, folder, max_bytes, 8) as planning:
+            while count := planning.task_count():
+                for index in range(count):  # in any order, in any process
+                    planning.take(index, svocl.PartsPlanning.work(device, planning.task(index)))
+            parts = planning.finish()
+
+    The folder gets the same bytes whatever the number of ranges.
+
+    Args:
+        device: whose memory the parts are planned for.
+        path: binary STL, or binary PLY with vertices and faces alone; the same name where tasks are done.
+        depth: of the whole tree.
+        folder: is made where it is not there; the same name where tasks are done.
+        max_bytes: see Parts.create.
+        ranges: of the file that may be read side by side.
+        need, coverage, weights, payload_level, origin, edge, drop_alpha: see Device.plan.
+
+    Raises:
+        UnsupportedError: a file or a request for which the mesh must be in memory; see Parts.create.
+        UnavailableError: another process plans, builds or stitches the parts of the folder.
+        FileError, ImportFailedError: the file.
+    """
+
+    def __init__(
+        self,
+        device: Device,
+        path: Path,
+        depth: int,
+        folder: Path,
+        max_bytes: int,
+        ranges: int,
+        need: Need = Need.DEFAULT,
+        coverage: Coverage = Coverage.HALF_OPEN,
+        weights: Weights = Weights.AREA,
+        payload_level: int = 0,
+        origin: Optional[Sequence[float]] = None,
+        edge: Optional[float] = None,
+        drop_alpha: float = 0.0,
+    ) -> None:
+        need_io("PartsPlanning")
+        self.folder = os.fsdecode(folder)
+        options = plan_options(need, coverage, weights, Builder.CL, payload_level, origin, edge, drop_alpha)
+        out = ffi.new("svo_parts_planning **")
+        message = ffi.new("svo_message *")
+        numbers = (_arrays.integer("depth", depth), options, _arrays.integer("max_bytes", max_bytes, 64))
+        names = (encode(folder), _arrays.integer("ranges", ranges), out, message)
+        with device._use() as pointer:
+            status = call(lib.svo_parts_planning_begin, pointer, encode(path), *numbers, *names)
+            if status != lib.SVO_OK:
+                raise error(status, text(message.text))
+            self._open(Native(out[0], _end, device._native.guard, device._native))
+
+    def task_count(self) -> int:
+        """Of this step; 0: all is done. To be called every 20 seconds or more often, so that the folder stays ours."""
+        out = ffi.new("size_t *")
+        self._ask(lib.svo_parts_planning_tasks, out)
+        return int(out[0])
+
+    def task(self, index: int) -> bytes:
+        """A task of this step."""
+        task = ffi.new("void const **")
+        count = ffi.new("size_t *")
+        message = ffi.new("svo_message *")
+        with self._use() as pointer:
+            status = call(lib.svo_parts_planning_task, pointer, index, task, count, message)
+            if status != lib.SVO_OK:
+                raise error(status, text(message.text))
+            return bytes(ffi.buffer(task[0], count[0]))
+
+    @staticmethod
+    def work(device: Device, task: bytes) -> bytes:
+        """Does a task, in any process that sees the mesh and the folder; returns its result.
+
+        Raises:
+            FileError: the mesh or the folder is not there, or the mesh has changed.
+            UnavailableError: there is no space.
+            InvalidArgumentError: a task of another version of svocl.
+        """
+        out = ffi.new("void **")
+        count = ffi.new("size_t *")
+        message = ffi.new("svo_message *")
+        with device._use() as pointer:
+            status = call(lib.svo_parts_planning_work, pointer, task, len(task), out, count, message)
+        if status != lib.SVO_OK:
+            raise error(status, text(message.text))
+        try:
+            return bytes(ffi.buffer(out[0], count[0]))
+        finally:
+            lib.svo_parts_planning_free(out[0])
+
+    def take(self, index: int, result: bytes) -> None:
+        """Takes the result of a task."""
+        self._ask(lib.svo_parts_planning_take, index, result, len(result))
+
+    def finish(self) -> Parts:
+        """Puts the plan in its place, when all tasks are done; returns its parts."""
+        self._ask(lib.svo_parts_planning_finish)
+        return Parts(self.folder)
+
+    def _ask(self, function: Any, *arguments: Any) -> None:
+        message = ffi.new("svo_message *")
+        with self._use() as pointer:
+            status = call(function, pointer, *arguments, message)
+        if status != lib.SVO_OK:
+            raise error(status, text(message.text))
+
+
+def _end(pointer: Any) -> None:
+    lib.svo_parts_planning_end(ffi.new("svo_parts_planning **", pointer))
 
 
 def _close(pointer: Any) -> None:

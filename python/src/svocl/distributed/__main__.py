@@ -23,12 +23,15 @@ from typing import Any, NoReturn, Optional
 
 import svocl
 
+from ._plan import plan_parts
 from ._run import Interrupted, Refused, Share, Summary, build_parts
 from ._tasks import PASSING, worker_ttl
 
 DONE, FAILED, WRONG_USAGE, TRY_AGAIN, STOPPED = 0, 1, 2, 75, 130
 NAME = "svocl.distributed"
 CLOSE_SECONDS = 10
+RANGE_BYTES = 16 << 20
+"""Of a mesh file, for which a task of planning is worth it."""
 PASSING_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.ESTALE, errno.ETIMEDOUT, errno.EMFILE, errno.ENFILE)
 """Of files that Python writes: a later try may succeed."""
 SETTINGS: dict[str, Any] = {
@@ -69,11 +72,16 @@ def main() -> int:
 def run(options: argparse.Namespace) -> int:
     folder = f"{options.output}.parts"
     times: dict[str, float] = {}
-    with svocl.Parts.lease(folder):
+    report = Report(options.quiet)
+    with svocl.Parts.lease(folder), contextlib.ExitStack() as opened, contextlib.closing(report):
+        most_ranges = ranges_of(options)
+        pool = Pool(options, opened, report, times)
+        client = pool.client() if most_ranges > 1 else None
         with measured(times, "plan"):
-            parts = plan(options, folder)
+            parts = plan_by_workers(options, folder, client, most_ranges, report) if client else plan(options, folder)
         with parts:
-            summary = build(options, parts, times)
+            with measured(times, "build"):
+                summary = build(options, parts, pool.client(), report)
             with measured(times, "stitch"):
                 finish(parts, options.output)
         if not options.keep:
@@ -85,26 +93,60 @@ def run(options: argparse.Namespace) -> int:
 # --- the steps --------------------------------------------------------------------------------------------------------
 
 
-def plan(options: argparse.Namespace, folder: str) -> svocl.Parts:
-    """Fills the folder. Generated meshes are the program's."""
-    if options.mesh.startswith("scene:"):
-        plan_by_program(options)
-        return svocl.Parts(folder)
+def ranges_of(options: argparse.Namespace) -> int:
+    """How many ranges of the mesh are worth a task; the library says whether the file can be read by ranges."""
+    if options.no_shared_folder or not options.mesh.lower().endswith((".ply", ".stl")):
+        return 1
+    try:
+        bytes_of_mesh = os.path.getsize(options.mesh)
+    except OSError:
+        return 1  # it is said by who reads it
+    return options.ranges or max(1, bytes_of_mesh // RANGE_BYTES)
+
+
+def plan_options(options: argparse.Namespace) -> dict[str, Any]:
     need = svocl.Need.DEFAULT
     for name in options.need or ():
         need |= svocl.Need[name.upper().replace("-", "_")]
-    mesh = svocl.read_mesh(options.mesh)
+    return {
+        "need": need,
+        "coverage": svocl.Coverage[options.coverage.upper().replace("-", "_")],
+        "weights": svocl.Weights[options.weights.upper()],
+    }
+
+
+def plan(options: argparse.Namespace, folder: str) -> svocl.Parts:
+    """Fills the folder in this process. Generated meshes are the program's."""
+    if options.mesh.startswith("scene:"):
+        plan_by_program(options)
+        return svocl.Parts(folder)
     with svocl.Device(options.device) as device:
-        return svocl.Parts.create(
-            device,
-            mesh,
-            options.depth,
-            folder,
-            max_bytes=options.max_memory,
-            need=need,
-            coverage=svocl.Coverage[options.coverage.upper().replace("-", "_")],
-            weights=svocl.Weights[options.weights.upper()],
+        return svocl.Parts.create_from_file(
+            device, options.mesh, options.depth, folder, max_bytes=options.max_memory, **plan_options(options)
         )
+
+
+def plan_by_workers(
+    options: argparse.Namespace, folder: str, client: Any, most_ranges: int, report: "Report"
+) -> svocl.Parts:
+    """Fills the folder by workers, where the mesh can be read by ranges."""
+    threads = sum(client.ncores().values())
+    ranges = options.ranges or max(1, min(most_ranges, 2 * threads))
+    places = (os.path.abspath(options.mesh), options.depth, os.path.abspath(folder))
+    with svocl.Device(options.device) as device:
+        try:
+            planning = svocl.PartsPlanning(device, *places, options.max_memory, ranges, **plan_options(options))
+        except svocl.UnsupportedError:
+            return plan(options, folder)
+        with planning:
+            return plan_parts(
+                client,
+                planning,
+                device,
+                worker_device=options.device,
+                patience=options.patience,
+                report=report.line,
+            )
 
 
 def plan_by_program(options: argparse.Namespace) -> None:
@@ -131,23 +173,15 @@ def finish(parts: svocl.Parts, path: str) -> None:
         raise Interrupted(f"{problem}; the same command builds it") from problem
 
 
-def build(options: argparse.Namespace, parts: svocl.Parts, times: dict[str, float]) -> Summary:
-    with measured(times, "start"):
-        opened = contextlib.ExitStack()
-        client = opened.enter_context(connected(options))
-    with opened, contextlib.closing(Report(options.quiet)) as report:
-        client.subscribe_topic("all", report.event)
-        opened.callback(client.unsubscribe_topic, "all")
-        warn_of_ttl(client, report)
-        with measured(times, "build"):
-            return build_parts(
-                client,
-                parts,
-                shared_folder=not options.no_shared_folder,
-                device=options.device,
-                patience=options.patience,
-                report=report.parts,
-            )
+def build(options: argparse.Namespace, parts: svocl.Parts, client: Any, report: "Report") -> Summary:
+    return build_parts(
+        client,
+        parts,
+        shared_folder=not options.no_shared_folder,
+        device=options.device,
+        patience=options.patience,
+        report=report.parts,
+    )
 
 
 @contextlib.contextmanager
@@ -158,6 +192,25 @@ def measured(times: dict[str, float], name: str) -> Iterator[None]:
 
 
 # --- the cluster ------------------------------------------------------------------------------------------------------
+
+
+class Pool:
+    """The client of the workers, which are there from when it is first asked for until the job's end."""
+
+    def __init__(
+        self, options: argparse.Namespace, opened: contextlib.ExitStack, report: "Report", times: dict[str, float]
+    ) -> None:
+        self.options, self.opened, self.report, self.times = options, opened, report, times
+        self.connected: Any = None
+
+    def client(self) -> Any:
+        if self.connected is None:
+            with measured(self.times, "start"):
+                self.connected = self.opened.enter_context(connected(self.options))
+            self.connected.subscribe_topic("all", self.report.event)
+            self.opened.callback(self.connected.unsubscribe_topic, "all")
+            warn_of_ttl(self.connected, self.report)
+        return self.connected
 
 
 @contextlib.contextmanager
@@ -317,6 +370,8 @@ def read_options(arguments: Optional[list[str]] = None) -> argparse.Namespace:
     add("--threads", type=read_count, default=1, metavar="N", help="without --scheduler: threads of each worker (1)")
     add("--dashboard", metavar=":PORT", help="without --scheduler: Dask's dashboard (none); needs bokeh")
     add("--max-memory", type=read_bytes, default=0, metavar="BYTES", help="of one part: 65536, 512M, 4G")
+    add("--ranges", type=read_count, default=0, metavar="N", help="ranges of the mesh file that workers plan by "
+        "(as its size and the workers ask for)")  # fmt: skip
     add("--no-shared-folder", action="store_true", help="send triangles to workers and take parts back as bytes, "
         "also where a worker sees the folder")  # fmt: skip
     add("--need", type=read_needs, metavar="LIST", help="comma-separated: color, normal, rays, material, fill, ...")

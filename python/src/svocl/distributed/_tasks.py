@@ -21,7 +21,7 @@ from .._generated import (
     OutOfHostMemoryError,
     UnavailableError,
 )
-from .._parts import Parts
+from .._parts import Parts, PartsPlanning
 
 PLAN = "plan"
 """The file of a folder of parts that says what they are parts of."""
@@ -119,6 +119,34 @@ def _read_files(work: Work, folder: str) -> dict[str, bytes]:
     return files
 
 
+class Planned(NamedTuple):
+    """What comes of a task of svocl.PartsPlanning."""
+
+    worker: str
+    """Its address."""
+    seconds: float = 0.0
+    result: bytes = b""
+    failure: str = ""
+    """Not "": why there is no result."""
+
+
+def plan_range(task: bytes, name: Optional[str]) -> Planned:
+    """Does a task of planning. A worker does one for each of its threads, each on a device of its own.
+
+    Args:
+        task: of svocl.PartsPlanning.task.
+        name: of the device, see Work.device.
+    """
+    begin = time.perf_counter()
+    try:
+        if getattr(_planner, "device", None) is None:
+            _planner.device = Device(os.environ.get("SVOCL_DEVICE", name))
+        result = PartsPlanning.work(_planner.device, task)
+    except Error as problem:
+        return Planned(_address(), failure=str(problem))
+    return Planned(_address(), time.perf_counter() - begin, result)
+
+
 def worker_ttl(dask_scheduler: Any) -> Optional[float]:
     """After how many seconds of silence a scheduler gives a worker up; None: never."""
     seconds = dask_scheduler.worker_ttl
@@ -126,6 +154,7 @@ def worker_ttl(dask_scheduler: Any) -> Optional[float]:
 
 
 _lock = threading.Lock()
+_planner = threading.local()
 _devices: dict[Optional[str], Device] = {}
 
 
