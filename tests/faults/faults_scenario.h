@@ -41,6 +41,7 @@ typedef struct faults_world {
     char gltf_path[128], kernels_folder[128];
     char tree_path[128], packed_path[128], compact_path[128], vox_path[128], report_path[128];
     uint64_t stride;
+    bool quick; /* every second place alone */
     uint64_t failed_calls[FAULT_KINDS], recovered;
     unsigned violations;
     faults_objects kept; /* what the process keeps to its end */
