@@ -320,11 +320,12 @@ static const char *check_unpacked(const svo_i_memory *memory, const svx_png *png
     return wrong;
 }
 
-/* Why stb_image gave no pixels. */
-static const char *decode_failure(void)
+/* Why stb_image gave no pixels. Not each of its allocations that fails has a reason, and the one before it stays: other
+   is one that images do not have. */
+static const char *decode_failure(const char *other)
 {
     const char *reason = stbi_failure_reason();
-    return reason != NULL && strcmp(reason, "outofmem") == 0 ? no_memory : "it cannot be decoded";
+    return reason == other || strcmp(reason, "outofmem") == 0 ? no_memory : "it cannot be decoded";
 }
 
 /* Decodes pixels as deep as the file has them: where stb_image converts them and runs out of memory, it loses the
@@ -335,10 +336,12 @@ static const char *decode(const uint8_t *bytes, int byte_count, bool deep, bool 
     int height = 0;
     int channels = 0;
     const int wanted = color ? 4 : 1;
+    (void)stbi_info_from_memory(bytes, 0, &width, &height, &channels); /* "unknown image type" */
+    const char *other = stbi_failure_reason();
     void *pixels = deep ? (void *)stbi_load_16_from_memory(bytes, byte_count, &width, &height, &channels, wanted)
                         : (void *)stbi_load_from_memory(bytes, byte_count, &width, &height, &channels, wanted);
     if (pixels == NULL) {
-        return decode_failure();
+        return decode_failure(other);
     }
     for (size_t i = 0; deep && color && i < 4 * (size_t)width * (size_t)height; ++i) {
         uint16_t value = 0;
