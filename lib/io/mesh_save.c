@@ -136,10 +136,13 @@ static svo_status put_line(mesh_writer *w, const char *word, const float vector[
 {
     char line[6 * VOXEL_NUMBER_BYTES + 16];
     size_t used = (size_t)snprintf(line, sizeof line, "%s", word);
-    for (int i = 0; i < (color != NULL ? 6 : 3); ++i) {
-        const double number = i < 3 ? (double)vector[i] : color[i - 3] / 255.0;
+    for (int i = 0; i < 3; ++i) {
         line[used++] = ' ';
-        used += strlen(svo_i_voxel_number(line + used, number, POSITION_DIGITS));
+        used += strlen(svo_i_voxel_number(line + used, (double)vector[i], POSITION_DIGITS));
+    }
+    for (int i = 0; i < 3 && color != NULL; ++i) {
+        line[used++] = ' ';
+        used += strlen(svo_i_voxel_number(line + used, color[i] / 255.0, POSITION_DIGITS));
     }
     line[used++] = '\n';
     return put(w, line, used);
