@@ -238,6 +238,7 @@ static bool is_inside(const svo_edit_step *step, const int place[3])
 
 static void change_cell(dense_cell *cell, svo_edit_verb verb, bool inside, const dense_cell *with)
 {
+    static const dense_cell empty = {.full = false};
     switch (verb) {
     case SVO_EDIT_SET:
         *cell = inside ? *with : *cell;
@@ -246,10 +247,10 @@ static void change_cell(dense_cell *cell, svo_edit_verb verb, bool inside, const
         *cell = inside && !cell->full ? *with : *cell;
         break;
     case SVO_EDIT_CLEAR:
-        *cell = inside ? (dense_cell){.full = false} : *cell;
+        *cell = inside ? empty : *cell;
         break;
     case SVO_EDIT_KEEP:
-        *cell = inside ? *cell : (dense_cell){.full = false};
+        *cell = inside ? *cell : empty;
         break;
     default:
         *cell = inside && cell->full ? *with : *cell;
