@@ -459,11 +459,17 @@ static svo_status collect(point_cloud *cloud, svo_voxels **out, svo_points_info 
                                              SVO_I_STRUCT_SIZES(svo_points_info, count_max));
 }
 
+/* No more than the file has: one that is read too far is then found. */
+static size_t window_bytes(const svo_i_source *file)
+{
+    return file->byte_count < POINTS_WINDOW_BYTES ? (size_t)file->byte_count + 1 : POINTS_WINDOW_BYTES;
+}
+
 /* Finds the reader of a file by its first bytes. */
 static svo_status open_format(point_cloud *cloud)
 {
     points_reader *reader = &cloud->reader;
-    reader->window = svo_i_alloc(&cloud->memory, POINTS_WINDOW_BYTES);
+    reader->window = svo_i_alloc(&cloud->memory, window_bytes(&reader->file));
     if (reader->window == NULL) {
         return svo_i_points_fail(reader, SVO_OUT_OF_HOST_MEMORY, "no memory for a part of the file");
     }
@@ -588,7 +594,7 @@ svo_voxel_format svo_points_format(svo_source source)
         return format;
     }
     reader.name = reader.file.name;
-    reader.window = svo_i_alloc(NULL, POINTS_WINDOW_BYTES);
+    reader.window = svo_i_alloc(NULL, window_bytes(&reader.file));
     format = reader.window != NULL ? format_of(&reader) : format;
     svo_i_free(reader.window);
     svo_i_source_close(&reader.file);

@@ -47,7 +47,7 @@ struct points_reader {
 
     /* Files: a window moves over them. */
     uint64_t begin; /* of the first record */
-    uint8_t *window; /* POINTS_WINDOW_BYTES; owned */
+    uint8_t *window; /* POINTS_WINDOW_BYTES, or as many as the file has; owned */
     size_t window_count, window_at; /* bytes in it, and those that have been read */
     uint64_t window_end; /* its end, in the file */
 
