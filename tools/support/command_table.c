@@ -27,7 +27,7 @@ static const command commands[] = {
      .input_name = "INPUT",
      .needs_input = true,
      .suffixes = ".svo .svc",
-     .summary = "Builds the octree of a mesh, of voxels or of points and reports the time of each stage.",
+     .summary = "Builds the octree of a mesh, voxels or points and reports each stage's time.",
      .reads_file = true,
      .examples =
          EXAMPLES("build model.obj -d 10 -o model.svo", "build model.obj -d 9 --need color,normal,rays",
