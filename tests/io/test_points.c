@@ -820,6 +820,66 @@ static void test_callers(void **state)
     assert_null(voxels);
 }
 
+/* Memory that runs out at one allocation, and what is not released. */
+typedef struct short_memory {
+    int left; /* allocations until one fails */
+    int blocks;
+} short_memory;
+
+static void *allocate_some(void *user, size_t bytes, size_t alignment)
+{
+    short_memory *memory = user;
+    if (memory->left-- == 0) {
+        return NULL;
+    }
+    ++memory->blocks;
+    assert_true(alignment <= _Alignof(max_align_t));
+    return malloc(bytes);
+}
+
+static void release_some(void *user, void *block, size_t bytes, size_t alignment)
+{
+    short_memory *memory = user;
+    (void)bytes;
+    (void)alignment;
+    --memory->blocks;
+    free(block);
+}
+
+/* Whichever allocation fails, the call says so and keeps nothing. */
+static void test_short_memory(void **state)
+{
+    (void)state;
+    enum { MANY = 40000 };
+    svo_point *points = random_points(8, MANY);
+    const las_form form = {.minor = 2, .format = 2, .record_bytes = 26};
+    byte_list file = make_las(&form, points, MANY);
+    int failures = 0;
+    bool ran_out = true;
+    for (int place = 0; ran_out; ++place) {
+        short_memory memory = {.left = place};
+        const svo_memory_callbacks callbacks = {
+            .struct_size = sizeof callbacks, .allocate = allocate_some, .release = release_some, .user = &memory};
+        svo_points_options options = options_of(4);
+        svo_voxels *voxels = NULL;
+        svo_points_info info;
+        svo_message message = {""};
+        options.memory = &callbacks;
+        options.memory_bytes = SVO_POINTS_MEMORY_MIN;
+        const svo_status status = load(&file, &options, &voxels, &info, &message);
+        ran_out = memory.left < 0;
+        failures += status == SVO_OUT_OF_HOST_MEMORY ? 1 : 0;
+        /* A run that cannot be made smaller stays as large as it is. */
+        assert_true(status == SVO_OK || (ran_out && status == SVO_OUT_OF_HOST_MEMORY));
+        assert_true((status == SVO_OK) == (voxels != NULL));
+        svo_voxels_destroy(&voxels);
+        assert_int_equal(memory.blocks, 0);
+    }
+    assert_true(failures > 10);
+    bytes_free(&file);
+    free(points);
+}
+
 /* Meshes are no clouds; what cannot be read is none either. */
 static void test_formats(void **state)
 {
@@ -852,6 +912,7 @@ TEST_GROUP(points)
         cmocka_unit_test(test_damaged_ply),
         cmocka_unit_test(test_variants),
         cmocka_unit_test(test_callers),
+        cmocka_unit_test(test_short_memory),
         cmocka_unit_test(test_formats),
     };
     return cmocka_run_group_tests_name("points", tests, NULL, NULL);
