@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** \file
- * Voxel files (svocl::io): .vox, .svx, .binvox and .nvdb to lists of voxels and back, points as .ply, cubes as .obj.
+ * Voxel files (svocl::io): .vox, .svx, .binvox, .nvdb and .bt to lists of voxels and back, points as .ply, cubes as
+ * .obj.
  *
  *     format    read  write  holds
  *     .vox      yes   yes    MagicaVoxel, versions 150 and 200: models, a scene of them, 255 colors, materials
@@ -8,6 +9,7 @@
  *     .svx      yes   yes    Shapeways: slices as PNG images in a zip archive. Needs libzip and expat
  *     .binvox   yes   yes    occupancy, run by run
  *     .nvdb     yes   yes    NanoVDB, version 32: occupancy, RGBA8 colors, materials. Needs NanoVDB's header to build
+ *     .bt       yes   yes    OctoMap: occupancy, with the width of voxels
  *     .ply      no    yes    a point at the center of each voxel, with color and material; or rectangles
  *     .obj      no    yes    the faces between voxels and what is empty, with colors; or rectangles
  *
@@ -42,7 +44,10 @@ typedef enum svo_voxel_format {
     SVO_VOXEL_FORMAT_PLY, /**< "ply": is only written */
     SVO_VOXEL_FORMAT_OBJ, /**< "obj": is only written */
     SVO_VOXEL_FORMAT_NVDB, /**< "nvdb" */
-    SVO_VOXEL_FORMAT_SLAB6 /**< "slab6": is only read; its files end in .vox too */
+    SVO_VOXEL_FORMAT_SLAB6, /**< "slab6": is only read; its files end in .vox too */
+    SVO_VOXEL_FORMAT_BT, /**< "bt" */
+    SVO_VOXEL_FORMAT_LAS, /**< "las": points, which svo_points_load reads (points.h) */
+    SVO_VOXEL_FORMAT_LAZ /**< "laz": compressed points, which are not read */
 } svo_voxel_format;
 
 /** The format that a file is written in by its suffix, in upper or lower case.
@@ -101,8 +106,8 @@ typedef struct svo_voxel_file_info {
 /** All zero. */
 #define SVO_VOXEL_FILE_INFO_INIT SVO_STRUCT_INIT(svo_voxel_file_info)
 
-/** Reads a .vox, .svx, .binvox or .nvdb file; its bytes say which. docs/voxel_files.md says what becomes of each part.
- *  svo_voxels_left_out says what the list lacks.
+/** Reads a .vox, .svx, .binvox, .nvdb or .bt file; its bytes say which. docs/voxel_files.md says what becomes of each
+ *  part. svo_voxels_left_out says what the list lacks.
  *
  * \param source the file
  * \param options NULL means all defaults
@@ -163,8 +168,9 @@ typedef struct svo_voxels_save_info {
  *  k-means finds. Properties are written to the materials' chunks. .binvox: the occupancy, in the smallest cube whose
  *  edge is a power of two. .svx: occupancy, colors without alpha, and materials unless one is above 255. .nvdb: a grid
  *  "density", a fog volume that is 1 in voxels, and where there are any, grids "color" and "material" of the same
- *  voxels. None of these has properties of materials; .vox has neither origin nor voxel_edge. svo_voxels_set_axes says
- *  which axis is up in the file: z in .vox, unless it says otherwise.
+ *  voxels. .bt: the occupancy, at planes that are whole multiples of voxel_edge: places are moved to the nearest.
+ *  Voxels may be 32768 from the origin, at most. None of these has properties of materials; .vox has neither origin nor
+ *  voxel_edge. svo_voxels_set_axes says which axis is up in the file: z in .vox and .bt, unless it says otherwise.
  *
  * \param voxels not NULL
  * \param sink receives the file

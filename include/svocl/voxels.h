@@ -70,7 +70,7 @@ typedef struct svo_voxels svo_voxels;
 /** Which axis is up in a file. Where it is z, (x, y, z) is turned to (x, z, -y) when it is read, so that y is up in
  *  trees and lists, and back when it is written. A voxel at (x, y, z) goes to (x, z, -1 - y): its corners turn. */
 typedef enum svo_axes {
-    SVO_AXES_AUTO = 0, /**< what the format says: z in .vox, y in the others */
+    SVO_AXES_AUTO = 0, /**< what the format says: z in .vox, .bt and .las, y in the others */
     SVO_AXES_KEEP = 1, /**< nothing is turned */
     SVO_AXES_Z_UP = 2 /**< z, whatever the format */
 } svo_axes;
@@ -127,6 +127,13 @@ SVO_API svo_status svo_voxels_get_info(const svo_voxels *voxels, svo_voxels_info
  * \param voxels not NULL
  * \returns svo_voxels_info.voxel_count voxels, which belong to the list. */
 SVO_API const svo_voxel *svo_voxels_get(const svo_voxels *voxels);
+
+/** The numbers of points that voxels are of, in a list of a point cloud (points.h).
+ *
+ * \param voxels not NULL
+ * \returns svo_voxels_info.voxel_count numbers, in the order of svo_voxels_get, which belong to the list; NULL: the
+ *          list is of no cloud. */
+SVO_API const uint64_t *svo_voxels_get_counts(const svo_voxels *voxels);
 
 /** The properties of materials, by material; those of one material by key, as bytes.
  *

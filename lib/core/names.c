@@ -58,7 +58,8 @@ static const char *const probes_buffers[SVO_PROBES_BUFFER_COUNT] = {"places", "t
                                                                     "field",  "irradiance", "moments"};
 static const char *const probes_stages[SVO_PROBES_STAGE_COUNT] = {"placing", "texels", "radiance",
                                                                   "least",   "field",  "prefilter"};
-static const char *const voxel_formats[] = {"auto", "vox", "svx", "binvox", "ply", "obj", "nvdb", "slab6"};
+static const char *const voxel_formats[] = {"auto", "vox",   "svx", "binvox", "ply", "obj",
+                                            "nvdb", "slab6", "bt",  "las",    "laz"};
 static const char *const context_kinds[SVO_GL_WRAPPED + 1] = {[SVO_GL_SURFACELESS] = "surfaceless",
                                                               [SVO_GL_EGL_DEVICE] = "egl-device",
                                                               [SVO_GL_OSMESA] = "osmesa",

@@ -17,6 +17,7 @@ struct svo_voxels {
     svo_voxel_property *properties; /* sorted; owned */
     char *texts; /* of all properties; owned */
     svo_axes axes; /* of files that it is written to */
+    uint64_t *counts; /* of points, for each voxel; owned. NULL: it is not of points */
 };
 
 /* By what voxels are sorted. */

@@ -10,7 +10,8 @@
 
 bool svo_i_voxels_are_turned(svo_axes axes, svo_voxel_format format)
 {
-    const bool is_z_up = format == SVO_VOXEL_FORMAT_VOX || format == SVO_VOXEL_FORMAT_SLAB6;
+    const bool is_z_up =
+        format == SVO_VOXEL_FORMAT_VOX || format == SVO_VOXEL_FORMAT_SLAB6 || format == SVO_VOXEL_FORMAT_BT;
     return axes == SVO_AXES_Z_UP || (axes == SVO_AXES_AUTO && is_z_up);
 }
 

@@ -9,6 +9,7 @@
 svo_status svo_i_voxels_read_vox(voxel_reader *reader);
 svo_status svo_i_voxels_read_svx(voxel_reader *reader);
 svo_status svo_i_voxels_read_nvdb(voxel_reader *reader);
+svo_status svo_i_voxels_read_bt(voxel_reader *reader);
 
 /* Checks a .vox file and fills the reader's info, as reading does, without a list. */
 svo_status svo_i_voxels_check_vox(voxel_reader *reader);
@@ -17,12 +18,16 @@ svo_status svo_i_voxels_check_vox(voxel_reader *reader);
 svo_status svo_i_voxels_write_vox(voxel_writer *writer);
 svo_status svo_i_voxels_write_svx(voxel_writer *writer);
 svo_status svo_i_voxels_write_nvdb(voxel_writer *writer);
+svo_status svo_i_voxels_write_bt(voxel_writer *writer);
 /* Writes a list to a sink, for the functions that save lists. writer: what is to be written, and how. info: NULL
    allowed. */
 svo_status svo_i_voxels_save_by(const char *function, const svo_voxels *voxels, svo_sink sink, svo_voxel_format format,
                                 voxel_writer *writer, svo_voxels_save_info *info, svo_message *message);
 /* Writes the merged faces as .ply or .obj. */
 svo_status svo_i_voxels_write_faces(voxel_writer *writer, svo_voxel_format format);
+
+/* The first line of a .bt file. */
+#define VOXELS_BT_MAGIC "# Octomap OcTree binary file"
 
 /* ---- .svx, as its reader and its writer share it ---- */
 

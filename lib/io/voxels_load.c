@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Voxel files to lists of voxels: reads the file into memory, and finds its reader by its first bytes. Those of .binvox
- * files and of SLAB6's are here; voxels_vox.c, voxels_svx.c and voxels_nvdb.c have the others. Also .vox files to
- * themselves, and what lists do not hold of them.
+ * files and of SLAB6's are here; voxels_vox.c, voxels_svx.c, voxels_nvdb.c and voxels_bt.c have the others. Also .vox
+ * files to themselves, and what lists do not hold of them.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <inttypes.h>
@@ -312,8 +312,8 @@ svo_status svo_i_voxels_read_nvdb(voxel_reader *reader)
 svo_voxel_format svo_voxel_format_of_path(const char *path)
 {
     const char *dot = path != NULL ? strrchr(path, '.') : NULL;
-    for (uint32_t format = SVO_VOXEL_FORMAT_VOX; format <= SVO_VOXEL_FORMAT_NVDB && dot != NULL; ++format) {
-        if (strcasecmp(dot + 1, svo_name(SVO_NAME_VOXEL_FORMAT, format)) == 0) {
+    for (uint32_t format = SVO_VOXEL_FORMAT_VOX; format <= SVO_VOXEL_FORMAT_LAZ && dot != NULL; ++format) {
+        if (format != SVO_VOXEL_FORMAT_SLAB6 && strcasecmp(dot + 1, svo_name(SVO_NAME_VOXEL_FORMAT, format)) == 0) {
             return (svo_voxel_format)format;
         }
     }
@@ -352,6 +352,10 @@ static svo_status read_format(voxel_reader *reader)
         reader->info.format = SVO_VOXEL_FORMAT_NVDB;
         return svo_i_voxels_read_nvdb(reader);
     }
+    if (begins(reader, VOXELS_BT_MAGIC)) {
+        reader->info.format = SVO_VOXEL_FORMAT_BT;
+        return svo_i_voxels_read_bt(reader);
+    }
     if (begins(reader, TEARDOWN_MAGIC)) {
         return fail_teardown(reader);
     }
@@ -359,7 +363,7 @@ static svo_status read_format(voxel_reader *reader)
         reader->info.format = SVO_VOXEL_FORMAT_SLAB6;
         return read_slab6(reader, size);
     }
-    return svo_i_voxels_damaged(reader, "byte 0: neither a .vox nor a .svx nor a .binvox nor a .nvdb file");
+    return svo_i_voxels_damaged(reader, "byte 0: neither a .vox nor a .svx nor a .binvox nor a .nvdb nor a .bt file");
 }
 
 /* From z up to y up. */

@@ -230,6 +230,8 @@ static svo_status write_format(voxel_writer *writer, svo_voxel_format format)
         return write_binvox(writer);
     case SVO_VOXEL_FORMAT_NVDB:
         return svo_i_voxels_write_nvdb(writer);
+    case SVO_VOXEL_FORMAT_BT:
+        return svo_i_voxels_write_bt(writer);
     case SVO_VOXEL_FORMAT_PLY:
         return write_ply(writer);
     default:
@@ -318,6 +320,12 @@ svo_status svo_i_voxels_save_by(const char *function, const svo_voxels *voxels, 
     return svo_i_sink_close(&writer->sink, write_list(writer, voxels, format, info));
 }
 
+static bool is_written(svo_voxel_format format)
+{
+    return ((unsigned)format >= SVO_VOXEL_FORMAT_VOX && (unsigned)format <= SVO_VOXEL_FORMAT_NVDB) ||
+           format == SVO_VOXEL_FORMAT_BT;
+}
+
 svo_status svo_voxels_save(const svo_voxels *voxels, svo_sink sink, svo_voxel_format format, svo_voxels_save_info *info,
                            svo_message *message)
 {
@@ -329,13 +337,14 @@ svo_status svo_voxels_save(const svo_voxels *voxels, svo_sink sink, svo_voxel_fo
     if (format == SVO_VOXEL_FORMAT_AUTO) {
         format = svo_voxel_format_of_path(sink.path);
     }
-    if ((unsigned)format < SVO_VOXEL_FORMAT_VOX || (unsigned)format > SVO_VOXEL_FORMAT_NVDB) {
+    if (!is_written(format)) {
         return sink.path != NULL
-                   ? svo_i_fail(message, SVO_INVALID_ARGUMENT,
-                                "%s: the suffix of '%s' is not vox, svx, binvox, ply, obj or nvdb, and format is %d",
-                                function, sink.path, (int)format)
-                   : svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: format %d is not in %d .. %d", function,
-                                (int)format, SVO_VOXEL_FORMAT_VOX, SVO_VOXEL_FORMAT_NVDB);
+                   ? svo_i_fail(
+                         message, SVO_INVALID_ARGUMENT,
+                         "%s: the suffix of '%s' is not vox, svx, binvox, ply, obj, nvdb or bt, and format is %d",
+                         function, sink.path, (int)format)
+                   : svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: format %d is neither in %d .. %d nor %d", function,
+                                (int)format, SVO_VOXEL_FORMAT_VOX, SVO_VOXEL_FORMAT_NVDB, SVO_VOXEL_FORMAT_BT);
     }
     return svo_i_voxels_save_by(function, voxels, sink, format, &writer, info, message);
 }

@@ -286,6 +286,7 @@ void svo_voxels_destroy(svo_voxels **voxels)
     svo_i_free((*voxels)->voxels);
     svo_i_free((*voxels)->properties);
     svo_i_free((*voxels)->texts);
+    svo_i_free((*voxels)->counts);
     svo_i_free(*voxels);
     *voxels = NULL;
 }
@@ -302,6 +303,11 @@ svo_status svo_voxels_get_info(const svo_voxels *voxels, svo_voxels_info *info)
 const svo_voxel *svo_voxels_get(const svo_voxels *voxels)
 {
     return voxels->voxels;
+}
+
+const uint64_t *svo_voxels_get_counts(const svo_voxels *voxels)
+{
+    return voxels->counts;
 }
 
 const svo_voxel_property *svo_voxels_get_properties(const svo_voxels *voxels)

@@ -76,6 +76,43 @@ def test_gallery_page():
     assert sum((docs / picture).stat().st_size for picture in pictures) < 400_000
 
 
+STEPS = ("model", "voxels", "rays", "light", "motion", "kernel")
+
+
+@pytest.mark.parametrize("step", STEPS)
+def test_tutorial(step, tmp_path, monkeypatch, capsys):
+    """Each step of docs/tutorial.md runs, and draws something at a low resolution."""
+    if step == "kernel":
+        pytest.importorskip("pyopencl")
+    monkeypatch.chdir(tmp_path)  # where the tree's file goes
+    monkeypatch.syspath_prepend(str(EXAMPLES / "tutorial"))  # as for a program that is run there
+    picture = runpy.run_path(str(EXAMPLES / "tutorial" / f"{step}.py"))["picture"](depth=5, width=64)
+    assert picture.ndim == 3 and picture.dtype == np.uint8
+    assert len(np.unique(picture.reshape(-1, picture.shape[2]), axis=0)) > 12
+    printed = capsys.readouterr().out
+    if step == "voxels":
+        assert "depth 5: 2016 voxels" in printed
+        assert not svocl.has_io or svocl.Tree.load("voxels.svo").info.leaf_count == 2016
+    elif step == "motion":
+        assert printed.count("voxels") == 3
+    else:
+        assert step == "light" or re.search(r"\d", printed)
+
+
+def test_tutorial_page():
+    """docs/tutorial.md shows the steps in their order, each as it is, and a picture of it."""
+    docs = EXAMPLES.parents[1] / "docs"
+    if not (docs / "tutorial.md").exists():
+        pytest.skip("the tests of a source distribution, without docs/")
+    page = (docs / "tutorial.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    assert blocks == [(EXAMPLES / "tutorial" / f"{step}.py").read_text(encoding="utf-8") for step in STEPS]
+    assert sorted(STEPS) == sorted(path.stem for path in (EXAMPLES / "tutorial").glob("*.py"))
+    pictures = re.findall(r"!\[[^\]]+\]\((tutorial/\w+\.png)\)", page)
+    assert pictures == [f"tutorial/{step}.png" for step in STEPS]
+    assert sum((docs / picture).stat().st_size for picture in pictures) < 200_000
+
+
 def test_notebook(tmp_path):
     nbclient = pytest.importorskip("nbclient")
     nbformat = pytest.importorskip("nbformat")

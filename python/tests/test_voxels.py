@@ -167,3 +167,38 @@ def test_faces_are_read_back(device, random, tmp_path):
 
 def beside(place, axis, step):
     return [coordinate + (step if i == axis else 0) for i, coordinate in enumerate(place)]
+
+
+@pytest.mark.skipif(not svocl.has_io, reason="built without svocl::io")
+def test_points(device, random, tmp_path):
+    at, colors = random.integers(-50, 50, (4000, 3)) / 8.0, random.integers(0, 65536, (4000, 3))
+    points = svocl.make_points(at, colors)
+    with svocl.Voxels.of_points(points, voxel_edge=1.0, counts=True) as voxels:
+        places, inverse, counts = np.unique(np.floor(at), axis=0, return_inverse=True, return_counts=True)
+        low = places.min(axis=0)
+        assert voxels.points_info.format == "auto" and voxels.points_info.taken_count == len(points)
+        assert voxels.info.origin == tuple(low) and voxels.info.voxel_edge == 1.0
+        found = {(int(v["x"]), int(v["y"]), int(v["z"])): i for i, v in enumerate(voxels.records)}
+        assert len(found) == len(places)
+        sums = np.stack([np.bincount(inverse.reshape(-1), colors[:, c]) for c in range(3)], axis=1).astype(np.int64)
+        means = (2 * 255 * sums + counts[:, None] * 65535) // (2 * counts[:, None] * 65535)
+        for place, count, mean in zip(places - low, counts, means):
+            index = found[tuple(place.astype(int))]
+            assert voxels.counts[index] == count == voxels.records[index]["material"]
+            assert tuple(voxels.records[index]["rgba"]) == (*mean, 255)
+        with voxels.build(device) as tree:
+            assert tree.info.leaf_count == len(places)
+        voxels.save(tmp_path / "map.bt")
+        with svocl.Voxels.load(tmp_path / "map.bt") as back:
+            assert back.info.voxel_count == len(places) and back.counts is None
+    path = tmp_path / "cloud.ply"
+    head = f"ply\nformat ascii 1.0\nelement vertex {len(at)}\n" + "".join(f"property double {c}\n" for c in "xyz")
+    path.write_text(head + "end_header\n" + "\n".join(" ".join(map(str, row)) for row in at.tolist()))
+    with svocl.Voxels.load_points(path, origin=(0, 0, 0), edge=4, depth=2) as voxels:
+        inside = np.all((at >= 0) & (at < 4), axis=1)
+        assert voxels.points_info.outside_count == len(at) - inside.sum() and voxels.counts.sum() == inside.sum()
+        assert not voxels.counts.flags.writeable
+    with pytest.raises(svocl.OutOfHostMemoryError, match="memory_bytes"):
+        svocl.Voxels.of_points(svocl.make_points(random.random((50000, 3))), 16, memory_bytes=4 << 20)
+    with pytest.raises(ValueError, match="colors: not all in 0 .. 65535"):
+        svocl.make_points(at, 65536)

@@ -166,6 +166,8 @@ static void test_round_trips(void **state)
     check_round_trip(large, SVO_VOXEL_FORMAT_VOX, true, true);
     check_round_trip(small, SVO_VOXEL_FORMAT_BINVOX, false, false);
     check_round_trip(large, SVO_VOXEL_FORMAT_BINVOX, false, false);
+    check_round_trip(small, SVO_VOXEL_FORMAT_BT, false, false);
+    check_round_trip(large, SVO_VOXEL_FORMAT_BT, false, false);
     if (has_svx()) {
         check_round_trip(small, SVO_VOXEL_FORMAT_SVX, true, true);
         check_round_trip(large, SVO_VOXEL_FORMAT_SVX, true, true);
@@ -213,6 +215,7 @@ static void test_no_voxels(void **state)
     svo_voxels *empty = make(&source);
     check_round_trip(empty, SVO_VOXEL_FORMAT_VOX, true, true);
     check_round_trip(empty, SVO_VOXEL_FORMAT_BINVOX, true, true);
+    check_round_trip(empty, SVO_VOXEL_FORMAT_BT, true, true);
     if (has_svx()) {
         check_round_trip(empty, SVO_VOXEL_FORMAT_SVX, true, true);
     }
@@ -681,10 +684,11 @@ static void test_write_failures(void **state)
 {
     (void)state;
     svo_voxels *voxels = random_voxels(7, corner, large_box, 255);
-    for (int format = SVO_VOXEL_FORMAT_VOX; format <= SVO_VOXEL_FORMAT_NVDB; ++format) {
+    for (int format = SVO_VOXEL_FORMAT_VOX; format <= SVO_VOXEL_FORMAT_BT; ++format) {
         int left = 0;
         svo_message message = {""};
-        if ((format == SVO_VOXEL_FORMAT_SVX && !has_svx()) || (format == SVO_VOXEL_FORMAT_NVDB && !has_nvdb())) {
+        if (format == SVO_VOXEL_FORMAT_SLAB6 || (format == SVO_VOXEL_FORMAT_SVX && !has_svx()) ||
+            (format == SVO_VOXEL_FORMAT_NVDB && !has_nvdb())) {
             continue;
         }
         assert_int_equal(
@@ -748,7 +752,7 @@ static void test_arguments(void **state)
     assert_null(voxels);
     assert_int_equal(svo_voxels_save(some, svo_to_callback(fail_late, &left), SVO_VOXEL_FORMAT_AUTO, NULL, &message),
                      SVO_INVALID_ARGUMENT);
-    assert_string_equal(message.text, "svo_voxels_save: format 0 is not in 1 .. 6");
+    assert_string_equal(message.text, "svo_voxels_save: format 0 is neither in 1 .. 6 nor 8");
     assert_int_equal(svo_voxels_save(some, svo_to_callback(fail_late, &left), (svo_voxel_format)7, NULL, NULL),
                      SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_voxels_save(NULL, svo_to_path("x.vox"), SVO_VOXEL_FORMAT_AUTO, NULL, NULL),

@@ -994,6 +994,47 @@ static void vox_files_keep_what_they_hold(void **state)
     run_well("rm a.vox b.vox c.vox t.vox d.vox a.svo 1");
 }
 
+/* A .ply file without faces is a point cloud: the grid's options apply, and its voxels have counts and colors. */
+static void point_clouds_become_voxels(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("printf 'ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double "
+             "z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n0 0 0 10 0 0\n.1 .1 .1 "
+             "20 0 0\n4 4 4 0 9 0\nnan 0 0 0 0 0\n' >a.ply");
+    cJSON *document = run_json("$SVOCL info a.ply --json");
+    const cJSON *points = cJSON_GetObjectItem(document, "points");
+    assert_int_equal((int)number_of(points, "points"), 4);
+    assert_int_equal((int)number_of(points, "taken"), 3);
+    assert_int_equal((int)number_of(points, "not_finite"), 1);
+    assert_string_equal(text_of(points, "color"), "rgb");
+    cJSON_Delete(document);
+    run_well("$SVOCL info a.ply");
+    assert_non_null(strstr(last.output, "PLY"));
+    run_well("$SVOCL build a.ply -d 3 --counts --max-memory 64M -o a.svo && $SVOCL convert a.svo b.ply");
+    assert_non_null(strstr(last.errors, "1 of 4 points are left out: a coordinate is not finite"));
+    run_well("$SVOCL hash a.ply -d 3 --counts >1 && $SVOCL hash a.svo >2 && $SVOCL hash - -d 3 --counts <a.ply >3");
+    run_well("cmp 1 2 && cmp 1 3");
+    document = run_json("$SVOCL convert a.ply a.bt --voxel-size 0.5 --json");
+    points = cJSON_GetObjectItem(document, "points");
+    assert_int_equal((int)number_of(points, "voxels"), 2);
+    assert_int_equal((int)number_of(points, "count_max"), 2);
+    cJSON_Delete(document);
+    run_well("$SVOCL convert a.ply b.svo --voxel-size 0.5 --need none && $SVOCL convert a.bt c.svo --need none && "
+             "$SVOCL hash b.svo >1 && $SVOCL hash c.svo >2 && cmp 1 2");
+    run_well("$SVOCL build a.ply -d 2 --origin 0,0,0 --edge 2 -q && $SVOCL render a.ply -d 3 -o a.png --size 16x16");
+    assert_non_null(strstr(last.errors, "left out"));
+    run_badly("$SVOCL build a.ply -d 3 --coverage closed", 2, "option --coverage does not apply to voxels");
+    run_badly("$SVOCL build a.bt --counts", 2, "--counts applies to point clouds, not to a.bt");
+    run_badly("$SVOCL build scene:cube --counts", 2, "--counts applies to point clouds, not to scene:cube");
+    run_badly("$SVOCL build a.ply --max-memory 1M", 1, "--max-memory 1048576 is below 4194304");
+    run_well("printf LASF >d.las && cp d.las d.laz && printf '%104s\207' LASF >e.laz");
+    run_badly("$SVOCL build d.las", 1, "d.las: the file ends in the header, at byte 4");
+    run_badly("$SVOCL convert a.ply a.las", 2, "a.las does not end in .svo");
+    run_badly("$SVOCL mesh a.ply -o b.obj", 2, "a.ply has no triangles");
+    run_well("rm a.ply b.ply a.bt a.svo b.svo c.svo a.png d.las 1 2 3");
+}
+
 /* Merged faces are a mesh that is read back as the voxels that they were made of: the surface, and with --solid all. */
 static void merged_faces_are_read_back(void **state)
 {
@@ -1444,6 +1485,7 @@ TEST_GROUP(program)
                                        IN_FOLDER(welding_closes_cracks),
                                        IN_FOLDER(files_with_z_up_are_turned),
                                        IN_FOLDER(vox_files_keep_what_they_hold),
+                                       IN_FOLDER(point_clouds_become_voxels),
                                        IN_FOLDER(merged_faces_are_read_back),
                                        IN_FOLDER(voxels_have_a_size),
                                        IN_FOLDER(voxel_files_are_converted),

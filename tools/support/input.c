@@ -211,8 +211,11 @@ static int refuse_voxel_options(program *state)
 {
     return (state->options.given_groups & (unsigned)OPTION_VOXELS) == 0
                ? PROGRAM_DONE
-               : program_fail(state, PROGRAM_WRONG_USAGE, "%s applies to voxel files, not to %s",
-                              state->options.hidden != 0 ? "--hidden" : "--frame", state->options.input);
+               : program_fail(state, PROGRAM_WRONG_USAGE, "%s applies to %s, not to %s",
+                              state->options.counts != 0   ? "--counts"
+                              : state->options.hidden != 0 ? "--hidden"
+                                                           : "--frame",
+                              state->options.counts != 0 ? "point clouds" : "voxel files", state->options.input);
 }
 
 int input_refuse_build_options(program *state)

@@ -200,6 +200,7 @@ typedef struct options {
     double exposure; /* light: of pictures; 0: not given */
     uint64_t reference; /* gather: paths for each point; 0: none */
     uint64_t hidden, frame; /* voxel files: a flag, and the number of a frame */
+    uint64_t counts; /* point clouds: a flag */
     int axes; /* an svo_axes */
     uint64_t merge; /* convert: a flag */
     double weld; /* of mesh files: a distance; 0: none */

@@ -86,7 +86,8 @@ bool output_has_suffix(const char *path, const char *suffix)
 
 output_kind output_kind_of(const options *given, const char *path)
 {
-    if (svo_voxel_format_of_path(path) != SVO_VOXEL_FORMAT_AUTO) {
+    const svo_voxel_format format = svo_voxel_format_of_path(path);
+    if (format != SVO_VOXEL_FORMAT_AUTO && format != SVO_VOXEL_FORMAT_LAS && format != SVO_VOXEL_FORMAT_LAZ) {
         return OUTPUT_VOXELS;
     }
     return given->tree_form != 0 || given->solid != 0 ? OUTPUT_COMPACT : OUTPUT_TREE;

@@ -114,6 +114,8 @@ const char *piped_judge(piped_input *piped)
                     : begins_with(piped, "#binvox")                              ? ".binvox"
                     : begins_with(piped, "PK\3\4")                               ? ".svx"
                     : begins_with(piped, "NanoVDB")                              ? ".nvdb"
+                    : begins_with(piped, "# Octomap OcTree binary file")         ? ".bt"
+                    : begins_with(piped, "LASF")                                 ? ".las"
                     : is_off(piped)                                              ? ".off"
                     : is_stl(piped)                                              ? ".stl"
                     : is_obj(piped)                                              ? ".obj"

@@ -64,6 +64,8 @@ static const char *const arguments[][2] = {{"options.payload_level", "--payload-
                                            {"max_bytes", "--max-memory"},
                                            {"svo_parts_create", "svocl build --max-memory"},
                                            {"memory_limit_bytes", "--import-memory"},
+                                           {"options.memory_bytes", "--max-memory"},
+                                           {"memory_bytes", "--max-memory"},
                                            {"voxels_max", "--max-voxels"},
                                            {"voxel_edge", "--voxel-size"}};
 

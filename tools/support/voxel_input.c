@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads voxel files and says what they hold. */
+/* Reads voxel files and point clouds, and says what they hold. */
 #include "support/voxel_input.h"
 
 #include <inttypes.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "support/options_parse.h"
 #include "support/table.h"
@@ -13,7 +14,7 @@ bool voxel_input_is_given(const program *state)
     const svo_voxel_format format = svo_voxel_format_of_path(
         piped_is(&state->piped, state->options.input) ? state->piped.suffix : state->options.input);
     return format == SVO_VOXEL_FORMAT_VOX || format == SVO_VOXEL_FORMAT_SVX || format == SVO_VOXEL_FORMAT_BINVOX ||
-           format == SVO_VOXEL_FORMAT_NVDB;
+           format == SVO_VOXEL_FORMAT_NVDB || format == SVO_VOXEL_FORMAT_BT || points_input_is_given(state);
 }
 
 static svo_voxels_load_options load_options_of(program *state)
@@ -28,11 +29,27 @@ static svo_voxels_load_options load_options_of(program *state)
                                      .log_user = state};
 }
 
+static int open_points(program *state, voxel_input *opened)
+{
+    *opened = (voxel_input){.list = SVO_VOXELS_INFO_INIT};
+    const int exit_code = points_input_read(state, &opened->voxels, &opened->points);
+    if (exit_code == PROGRAM_DONE) {
+        (void)svo_voxels_get_info(opened->voxels, &opened->list);
+    }
+    return exit_code;
+}
+
 int voxel_input_open(program *state, voxel_input *opened)
 {
     svo_message message = {""};
     const options *given = &state->options;
     const svo_voxels_load_options load_options = load_options_of(state);
+    if (points_input_is_given(state)) {
+        return open_points(state, opened);
+    }
+    if (given->counts) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--counts applies to point clouds, not to %s", given->input);
+    }
     *opened = (voxel_input){.file = SVO_VOXEL_FILE_INFO_INIT, .list = SVO_VOXELS_INFO_INIT};
     if (svo_voxels_load(piped_source(&state->piped, given->input), &load_options, &opened->voxels, &opened->file,
                         &message) != SVO_OK) {
@@ -77,7 +94,9 @@ int voxel_input_check_options(program *state, uint32_t need)
     static const char *const of_meshes[] = {"origin",        "edge",       "voxel-size", "coverage",
                                             "weights",       "drop-alpha", "strict",     "import-seconds",
                                             "import-memory", "weld",       NULL};
-    if (options_refuse(state, of_meshes, "to voxels") != PROGRAM_DONE ||
+    /* Points have a grid of the caller's, as meshes have; the first three make it. */
+    const char *const *names = of_meshes + (points_input_is_given(state) ? 3 : 0);
+    if (options_refuse(state, names, "to voxels") != PROGRAM_DONE ||
         (options_ask_for_gl(given) && options_refuse_groups(state, OPTION_METHODS, "to voxels") != PROGRAM_DONE)) {
         return PROGRAM_WRONG_USAGE;
     }
@@ -95,6 +114,11 @@ svo_status voxel_input_plan(const program *state, svo_device *device, const voxe
     svo_plan_options by_voxels = *plan_options;
     if (!state->options.has_builder) {
         by_voxels.builder = SVO_BUILDER_SORTED;
+    }
+    if (opened->points.struct_size > 0) { /* the options made the grid of the points, which the list has */
+        by_voxels.edge = 0.0;
+        memset(by_voxels.origin, 0, sizeof by_voxels.origin);
+        return svo_voxels_plan(device, opened->voxels, 0, &by_voxels, out);
     }
     return svo_voxels_plan(device, opened->voxels, state->options.has_depth ? (unsigned)state->options.depth : 0,
                            &by_voxels, out);
@@ -127,6 +151,10 @@ static void list_counts(const voxel_input *opened, voxel_count counts[VOXEL_COUN
 void voxel_input_add_rows(table *rows, const voxel_input *opened)
 {
     voxel_count counts[VOXEL_COUNTS];
+    if (opened->points.struct_size > 0) {
+        points_input_add_rows(rows, &opened->points);
+        return;
+    }
     list_counts(opened, counts);
     for (int i = 0; i < count_counts(opened); ++i) {
         char name[32];
@@ -143,6 +171,10 @@ void voxel_input_add_json(cJSON *document, const voxel_input *opened)
 {
     voxel_count counts[VOXEL_COUNTS];
     svo_message left_out = {""};
+    if (opened->points.struct_size > 0) {
+        points_input_add_json(document, &opened->points);
+        return;
+    }
     cJSON *object = cJSON_AddObjectToObject(document, "voxels");
     list_counts(opened, counts);
     json_add_text(object, "format", svo_name(SVO_NAME_VOXEL_FORMAT, (svo_voxel_format)opened->file.format));

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* INPUT of a command where it is a voxel file: .vox, .svx, .binvox, .nvdb. */
+/* INPUT of a command where it is a voxel file, .vox, .svx, .binvox, .nvdb, .bt, or a point cloud. */
 #ifndef SVOCL_TOOLS_SUPPORT_VOXEL_INPUT_H
 #define SVOCL_TOOLS_SUPPORT_VOXEL_INPUT_H
 
 #include <stdbool.h>
 
 #include "support/json.h"
+#include "support/points_input.h"
 #include "support/program.h"
 #include "svocl/voxel_files.h"
 
@@ -15,9 +16,10 @@ typedef struct voxel_input {
     svo_voxels *voxels; /* NULL: none */
     svo_voxel_file_info file;
     svo_voxels_info list;
+    svo_points_info points; /* of a point cloud; else its struct_size is 0 */
 } voxel_input;
 
-/* Whether INPUT is a voxel file, judged by its suffix or, from a pipe, by its bytes. */
+/* Whether INPUT is a voxel file or a point cloud, judged by its suffix or, from a pipe, by its bytes. */
 bool voxel_input_is_given(const program *state);
 
 /* Reads the file by --hidden and --frame. Returns the exit code; on failure nothing stays open. */

@@ -190,7 +190,8 @@ int command_build(program *state)
     if (check_payload_level(state) != PROGRAM_DONE) {
         return PROGRAM_WRONG_USAGE;
     }
-    if (state->options.max_memory != 0 || state->options.resume) {
+    const bool is_cloud = points_input_is_given(state); /* whose memory is limited otherwise */
+    if ((state->options.max_memory != 0 && !is_cloud) || state->options.resume) {
         return build_parts(state);
     }
     int exit_code = check_options(state);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl convert: meshes, voxel files and trees to voxel files, trees, compact trees, points and cubes. */
+/* svocl convert: meshes, voxel files, point clouds and trees to voxel files, trees, compact trees, points and cubes. */
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -41,6 +42,7 @@ static int check_options(program *state, const conversion *done)
 {
     static const char *const none[] = {NULL};
     static const char *const of_axes[] = {"axes", NULL};
+    static const char *const of_clouds[] = {"depth", "origin", "edge", "voxel-size", NULL};
     static const char *const of_lists[] = {"drop-alpha", NULL};
     const uint64_t all = OPTION_DEVICE | OPTION_JSON | OPTION_CONVERT_COMMAND | OPTION_UNFOLDED | OPTION_TREE_FORM;
     if (done->from == FROM_TREE) {
@@ -50,7 +52,8 @@ static int check_options(program *state, const conversion *done)
                    : exit_code;
     }
     if (done->from == FROM_VOXELS && done->to == OUTPUT_VOXELS) {
-        return options_take_only(state, all | OPTION_VOXELS, none, "from voxels to voxels");
+        return options_take_only(state, all | OPTION_VOXELS, points_input_is_given(state) ? of_clouds : none,
+                                 "from voxels to voxels");
     }
     return solid_is_wanted(state)
                ? options_refuse(state, of_lists, "with --solid, which counts crossings of the whole surface")
@@ -269,6 +272,16 @@ static const voxel_input *list_of(const conversion *done)
 /* Parts of a list that a format may not hold. */
 #define PARTS_MAX 5
 
+/* Whether voxels do not begin at whole multiples of their width. */
+static bool is_between(const svo_voxels_info *list)
+{
+    bool between = false;
+    for (int axis = 0; axis < 3; ++axis) {
+        between = between || rint(list->origin[axis] / list->voxel_edge) * list->voxel_edge != list->origin[axis];
+    }
+    return between;
+}
+
 /* What the list has and the format does not. Returns how many parts it is. */
 static size_t find_left_out(const conversion *done, const char *out[PARTS_MAX])
 {
@@ -291,13 +304,16 @@ static size_t find_left_out(const conversion *done, const char *out[PARTS_MAX])
     const bool svx = format == SVO_VOXEL_FORMAT_SVX;
     const bool obj = format == SVO_VOXEL_FORMAT_OBJ;
     const bool vox = format == SVO_VOXEL_FORMAT_VOX;
+    const bool bt = format == SVO_VOXEL_FORMAT_BT;
     const bool faces = done->written.voxel_faces > 0;
     const char *const parts[PARTS_MAX] = {
-        colors && binvox ? "colors" : NULL, alpha && (binvox || svx || obj) ? "alpha" : NULL,
-        list->material_count > 1 && (binvox || obj || faces || (svx && list->material_count > 256)) ? "materials"
-                                                                                                    : NULL,
+        colors && (binvox || bt) ? "colors" : NULL, alpha && (binvox || svx || obj || bt) ? "alpha" : NULL,
+        list->material_count > 1 && (binvox || obj || bt || faces || (svx && list->material_count > 256)) ? "materials"
+                                                                                                          : NULL,
         list->property_count > 0 && !vox ? "properties of materials" : NULL,
-        moved && vox ? "the place and the width of voxels" : NULL};
+        moved && vox             ? "the place and the width of voxels"
+        : bt && is_between(list) ? "the places between whole multiples of the width"
+                                 : NULL};
     size_t count = 0;
     for (size_t i = 0; i < PARTS_MAX; ++i) {
         if (parts[i] != NULL) {

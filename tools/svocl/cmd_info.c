@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl info: prints what a .svo or .svc file contains. Loading checks every length, checksum and index. */
+/* svocl info: prints what a .svo or .svc file, or a point cloud, contains. Loading checks every length, checksum and
+   index. */
 #include <inttypes.h>
 
 #include "support/input.h"
@@ -152,9 +153,35 @@ static int read_facts(program *state, file_facts *facts)
     return exit_code;
 }
 
+/* All points are read, for their bounds. */
+static int show_points(program *state)
+{
+    svo_points_info info;
+    program_begin_step(state, "reading the points");
+    const int exit_code = points_input_read(state, NULL, &info);
+    progress_destroy(&state->progress);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    if (state->options.json) {
+        cJSON *document = json_document();
+        json_add_text(document, "file", state->options.input);
+        points_input_add_json(document, &info);
+        return json_print(state, document);
+    }
+    table_heading("%s", state->options.input);
+    table *rows = table_create("ll");
+    points_input_add_rows(rows, &info);
+    table_print(rows);
+    return PROGRAM_DONE;
+}
+
 int command_info(program *state)
 {
     file_facts facts = {.compact = NULL};
+    if (points_input_is_given(state)) {
+        return show_points(state);
+    }
     program_begin_progress(state, 1);
     int exit_code = read_facts(state, &facts);
     progress_destroy(&state->progress);

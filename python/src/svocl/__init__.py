@@ -33,6 +33,7 @@ from ._arrays import (
     hit_dtype,
     instance_dtype,
     nearest_dtype,
+    point_dtype,
     probe_hit_dtype,
     probe_irradiance_dtype,
     query_dtype,
@@ -100,6 +101,7 @@ from ._generated import (
     Place,
     PlanBuffer,
     PlanInfo,
+    PointsInfo,
     Positions,
     ProbeBuffer,
     ProbeInfo,
@@ -140,7 +142,7 @@ from ._surface import Surface, surface
 from ._tree import TREE_ARGUMENTS, Camera, Tree, TreeArrays, kernel_options, kernel_source, make_rays
 from ._trimesh import from_trimesh
 from ._tune import TuneResult, TuneSetting, tune
-from ._voxels import Voxels, make_voxels
+from ._voxels import Voxels, make_points, make_voxels
 
 __version__: str = _text(_lib.svo_version_string())
 
@@ -219,6 +221,7 @@ __all__ = [
     "Plan",
     "PlanBuffer",
     "PlanInfo",
+    "PointsInfo",
     "Positions",
     "ProbeBuffer",
     "ProbeInfo",
@@ -270,10 +273,12 @@ __all__ = [
     "lightmap_texels",
     "make_gather_points",
     "make_instances",
+    "make_points",
     "make_rays",
     "make_voxels",
     "nearest_dtype",
     "png",
+    "point_dtype",
     "probe_hit_dtype",
     "probe_irradiance_dtype",
     "query_dtype",

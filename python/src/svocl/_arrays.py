@@ -100,6 +100,9 @@ voxel_dtype: "np.dtype[np.void]" = np.dtype(
 )
 """svo_voxel, 20 bytes: coordinates within 2**30 of 0, color, and a material below 65535; reserved is 0."""
 
+point_dtype: "np.dtype[np.void]" = np.dtype([("at", "<f8", (3,)), ("rgb", "<u2", (3,)), ("intensity", "<u2")])
+"""svo_point, 32 bytes: a place, a color, and the intensity of returned light."""
+
 NO_NODE: int = lib.SVO_NO_NODE
 NO_INSTANCE: int = lib.SVO_NO_INSTANCE
 NO_TRIANGLE: int = lib.SVO_NO_TRIANGLE

@@ -58,7 +58,7 @@ def read_probe_info(struct: Any) -> ProbeInfo:
 
 
 def read_file_info(struct: Any, kind: type[_T]) -> _T:
-    """VoxelFileInfo or VoxelsSaveInfo, with the format's name in place of its number."""
+    """VoxelFileInfo, VoxelsSaveInfo or PointsInfo, with the format's name in place of its number."""
     info: Any = read(struct, kind)
     name = text(lib.svo_name(lib.SVO_NAME_VOXEL_FORMAT, info.format))
     return info._replace(format=name)  # type: ignore[no-any-return]

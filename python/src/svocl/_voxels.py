@@ -51,6 +51,32 @@ def make_voxels(
     return voxels
 
 
+def make_points(positions: npt.ArrayLike, colors: npt.ArrayLike = 0, intensities: npt.ArrayLike = 0) -> _arrays.Array:
+    """Records for Voxels.of_points from coordinates, colors and intensities, which are broadcast against each other.
+
+    Args:
+        positions: (point_count, 3) world coordinates.
+        colors: (point_count, 3) RGB, 0 .. 65535.
+        intensities: (point_count,) of returned light, 0 .. 65535.
+
+    Returns:
+        (point_count,) records of point_dtype.
+    """
+    at = np.asarray(positions, np.float64)
+    if at.ndim != 2 or at.shape[1] != 3:
+        raise ValueError(f"positions: shape {at.shape}, expected (point_count, 3)")
+    points = np.zeros(len(at), _arrays.point_dtype)
+    points["at"] = at
+    for name, field, values in (("colors", "rgb", colors), ("intensities", "intensity", intensities)):
+        array = _arrays.array(name, values)
+        if array.dtype.kind not in "iu" and array.size:
+            raise TypeError(f"{name}: dtype {array.dtype}, expected integers")
+        if array.size and not (int(array.min()) >= 0 and int(array.max()) <= 65535):
+            raise ValueError(f"{name}: not all in 0 .. 65535")
+        points[field] = array
+    return points
+
+
 class Voxels(Handle):
     """A list of voxels. It holds each place once, in Morton order from its least corner on; of several voxels in one
     place the last one counts.
@@ -64,6 +90,7 @@ class Voxels(Handle):
     Attributes:
         file_info: what the file holds, of a list from Voxels.load; else None.
         left_out: what the file holds and the list does not, in one line, such as "8 layers, 1 group"; else "".
+        points_info: what the cloud holds, of a list from Voxels.load_points or Voxels.of_points; else None.
 
     Raises:
         InvalidArgumentError: a number is out of range, or the voxels are too far apart.
@@ -72,6 +99,7 @@ class Voxels(Handle):
 
     file_info: Optional[_generated.VoxelFileInfo] = None
     left_out: str = ""
+    points_info: Optional[_generated.PointsInfo] = None
 
     def __init__(
         self,
@@ -107,7 +135,7 @@ class Voxels(Handle):
     def load(
         cls, path: Path, *, hidden: bool = False, frame: int = 0, voxels_max: int = 0, axes: Axes = Axes.AUTO
     ) -> "Voxels":
-        """Reads a .vox, .svx, .binvox or .nvdb file; its bytes say which. Warnings go to the logger "svocl".
+        """Reads a .vox, .svx, .binvox, .nvdb or .bt file; its bytes say which. Warnings go to the logger "svocl".
 
         Args:
             path: of the file.
@@ -148,6 +176,75 @@ class Voxels(Handle):
         source, _kept = from_bytes(content, name)
         return cls._load(source, hidden, frame, voxels_max, axes)
 
+    @classmethod
+    def load_points(
+        cls,
+        path: Path,
+        depth: int = 0,
+        *,
+        voxel_edge: float = 0.0,
+        origin: Sequence[float] = (0.0, 0.0, 0.0),
+        edge: float = 0.0,
+        memory_bytes: int = 0,
+        voxels_max: int = 0,
+        counts: bool = False,
+        axes: Axes = Axes.AUTO,
+    ) -> "Voxels":
+        """Reads a point cloud, .las or .ply: each voxel has the mean color of its points, and Voxels.counts their
+        number. Points are read twice, in blocks. Warnings of what is left out go to the logger "svocl".
+
+        Args:
+            path: of the file.
+            depth: 1 .. 16: 2**depth voxels along the longest axis, or with edge along each; 0: 8.
+            voxel_edge: width of a voxel, world units, in place of depth: planes at its whole multiples.
+            origin, edge: the least corner and the width of a cube; points outside are left out.
+            memory_bytes: most host memory of the call and of a build of the list; 0: what there is.
+            voxels_max: more voxels are refused; 0: as many as memory_bytes holds.
+            counts: the material of a voxel is the number of its points, at most 65534.
+            axes: which axis is up in the file: Axes.AUTO is z in .las, y in .ply. In the list it is y.
+
+        Raises:
+            FileError: the file cannot be read.
+            FileDamagedError: it is truncated, damaged or of another format.
+            UnsupportedError: it is a .laz file; Voxels.of_points takes what another reader gives.
+            OutOfHostMemoryError: also when memory_bytes has no room for the voxels.
+        """
+        need_io("Voxels.load_points")
+        source, _kept = from_path(path)
+        options = _points_options(depth, voxel_edge, origin, edge, memory_bytes, voxels_max, counts, axes)
+        return cls._collect(lib.svo_points_load, source, options)
+
+    @classmethod
+    def of_points(
+        cls,
+        points: _arrays.Array,
+        depth: int = 0,
+        *,
+        rgb_max: int = 0,
+        voxel_edge: float = 0.0,
+        origin: Sequence[float] = (0.0, 0.0, 0.0),
+        edge: float = 0.0,
+        memory_bytes: int = 0,
+        voxels_max: int = 0,
+        counts: bool = False,
+        axes: Axes = Axes.AUTO,
+    ) -> "Voxels":
+        """The same of points in memory, such as those of a .laz file that laspy has read.
+
+        Args:
+            points: (point_count,) records of point_dtype, as make_points makes them.
+            rgb_max: the greatest value of a channel, 255 or 65535; 0: 255 if none is above.
+            depth, voxel_edge, origin, edge, memory_bytes, voxels_max, counts, axes: see Voxels.load_points.
+        """
+        need_io("Voxels.of_points")
+        records = _arrays.exact_records("points", points, _arrays.point_dtype, "point_dtype")
+        source = _structs.new("svo_points_source")
+        source.points = ffi.cast("svo_point *", records.ctypes.data)
+        source.point_count = records.size
+        source.rgb_max = _arrays.integer("rgb_max", rgb_max)
+        options = _points_options(depth, voxel_edge, origin, edge, memory_bytes, voxels_max, counts, axes)
+        return cls._collect(lib.svo_points_collect, source, options)
+
     @staticmethod
     def copy_vox(path: Path, to: Path) -> _generated.VoxelFileInfo:
         """Writes a .vox file again with all that it holds, after the checks of Voxels.load: models, instances, names,
@@ -186,8 +283,8 @@ class Voxels(Handle):
             call(lib.svo_voxels_set_axes, pointer, Axes(axes))
 
     def save(self, path: Path) -> _generated.VoxelsSaveInfo:
-        """Writes a file, whole or not at all; its suffix says the format: .vox, .svx, .binvox, .nvdb, .ply (points) or
-        .obj (the outer faces of cubes).
+        """Writes a file, whole or not at all; its suffix says the format: .vox, .svx, .binvox, .nvdb, .bt, .ply
+        (points) or .obj (the outer faces of cubes).
 
         Args:
             path: of the file.
@@ -310,6 +407,18 @@ class Voxels(Handle):
         return np.empty(0, _arrays.voxel_dtype) if found is None else found.view(_arrays.voxel_dtype)
 
     @property
+    def counts(self) -> Optional[_arrays.Array]:
+        """(voxel_count,) numbers of points, in the order of Voxels.records, read-only and valid when the list is
+        closed; None: the list is of no point cloud."""
+        count = self.info.voxel_count
+        with self._use() as pointer:
+            address = lib.svo_voxels_get_counts(pointer)
+            if address == ffi.NULL:
+                return None
+            found = view(self._native, address, np.uint64, (count,))
+        return np.empty(0, np.uint64) if found is None else found
+
+    @property
     def properties(self) -> dict[int, dict[str, str]]:
         """The properties of materials: {material: {key: value}}."""
         count = self.info.property_count
@@ -340,6 +449,14 @@ class Voxels(Handle):
         made.left_out = text(message.text)
         return made
 
+    @classmethod
+    def _collect(cls, function: Any, source: Any, options: Any) -> "Voxels":
+        info = _structs.new("svo_points_info")
+        made = cls.__new__(cls)
+        made._create(function, source, options, info=info)
+        made.points_info = _structs.read_file_info(info, _generated.PointsInfo)
+        return made
+
     def _write(self, function: Any, path: Path) -> _generated.VoxelsSaveInfo:
         sink, _kept = to_path(path)
         info = _structs.new("svo_voxels_save_info")
@@ -361,6 +478,29 @@ class Voxels(Handle):
 
     def __repr__(self) -> str:
         return "<svocl.Voxels: closed>" if self.closed else f"<svocl.Voxels: {self.info.voxel_count} voxels>"
+
+
+def _points_options(
+    depth: int,
+    voxel_edge: float,
+    origin: Sequence[float],
+    edge: float,
+    memory_bytes: int,
+    voxels_max: int,
+    counts: bool,
+    axes: Axes,
+) -> Any:
+    options = _structs.new("svo_points_options")
+    options.depth = _arrays.integer("depth", depth)
+    options.voxel_edge = voxel_edge
+    options.origin = _arrays.three("origin", origin)
+    options.edge = edge
+    options.memory_bytes = _arrays.integer("memory_bytes", memory_bytes, 64)
+    options.voxels_max = _arrays.integer("voxels_max", voxels_max, 64)
+    options.counts = bool(counts)
+    options.axes = Axes(axes)
+    options.log = lib.svocl_python_log
+    return options
 
 
 def _destroy(pointer: Any) -> None:
