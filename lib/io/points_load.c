@@ -110,12 +110,13 @@ static svo_status make_grid(point_cloud *cloud)
     for (size_t axis = 0; axis < 3 && info->taken_count > 0; ++axis) {
         const double least = place_of(info, axis, info->low[axis]);
         const double greatest = place_of(info, axis, info->high[axis]);
+        const char letter = "xyz"[axis];
         if (!(least >= -COORDINATE_MAX && greatest - least < SVO_VOXELS_EXTENT_MAX && greatest <= COORDINATE_MAX)) {
             return svo_i_points_fail(&cloud->reader, SVO_INVALID_ARGUMENT,
                                      "%c coordinates %g .. %g are more than %d voxels of width %g, or too far out for "
                                      "doubles",
-                                     "xyz"[axis], info -> low[axis], info -> high[axis], SVO_VOXELS_EXTENT_MAX,
-                                     info -> voxel_edge);
+                                     letter, info->low[axis], info->high[axis], SVO_VOXELS_EXTENT_MAX,
+                                     info->voxel_edge);
         }
         cloud->low_place[axis] = least;
         high[axis] = (int32_t)(greatest - least) + 1;
