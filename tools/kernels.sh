@@ -36,7 +36,8 @@ all_variants()
     done
     # Packed payload.
     printf 'kernels/compact/unpack.cl\tPACKED\n'
-    printf '%s\n' kernels/rays/{render,view}.cl$'\tCOLOR NORMAL PACKED_COLOR PACKED_NORMAL READ_SHARED HAS_BASES'{,' CAST_TILES'}
+    names='COLOR NORMAL PACKED_COLOR PACKED_NORMAL READ_SHARED HAS_BASES'
+    printf '%s\n' kernels/rays/{render,view}.cl$'\t'"$names"{,' CAST_TILES'}
     # Pictures of scenes are of voxels.
     printf 'kernels/scene/trace.cl\t%s\n' SCENE_TRIANGLES 'SCENE_TRIANGLES RAY_STREAMS' 'RAY_STREAMS LANES_APART'
     # What of a scene shows in part.

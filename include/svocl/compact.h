@@ -149,7 +149,7 @@ typedef struct svo_compact_info {
     uint32_t packed; /**< svo_need bits: payload that is packed; bytes has its packed length */
     uint32_t normal_bits; /**< of packed normals: as in svo_pack_options */
     /** Of packed payload, colors, normals, materials and fills in turn: the largest difference of a component from what
-     *  was packed, and below it the mean one over all components and elements. 0 where nothing changed. */
+     *  was packed, and below it the mean one over all components but alpha and all elements. 0: nothing changed. */
     uint32_t largest_error[SVO_PAYLOAD_COUNT];
     double mean_error[SVO_PAYLOAD_COUNT]; /**< see largest_error */
 } svo_compact_info;
@@ -224,7 +224,7 @@ typedef struct svo_pack_options {
 #define SVO_PACK_OPTIONS_INIT SVO_STRUCT_INIT(svo_pack_options)
 
 /** Makes a compact tree with packed payload of another one, on the host, and waits. Arrays that are constant, packed
- *  already, or would not get smaller are those of the other; on a device the two then have one buffer. The packed arrays
+ *  already, or would not get smaller are those of the other; on a device the two then have one buffer. Packed arrays
  *  are the same bytes on every machine. Pictures have the bytes that the expanded tree's have. A scene does not take a
  *  compact tree with packed colors or normals that it needs.
  *

@@ -322,10 +322,9 @@ static svo_status expand_payload(expansion *e)
         if (info->bytes[i] > 0 && !svo_i_compact_is_constant(info, buffer)) {
             params.payload_begin = e->tree->info.level_begin[e->level] - e->tree->info.level_begin[info->payload_level];
             params.element_halves = (cl_uint)(svo_i_compact_element_bytes(info, buffer) / 2);
-            const svo_i_argument arguments[] = {SVO_I_ARGUMENT(e->nodes),
-                                                SVO_I_ARGUMENT(e->payload[i - SVO_I_PAYLOAD_FIRST]),
-                                                SVO_I_ARGUMENT(e->tree->buffers[svo_i_compact_tree_buffer(buffer)]),
-                                                SVO_I_ARGUMENT(params)};
+            const svo_i_argument arguments[] = {
+                SVO_I_ARGUMENT(e->nodes), SVO_I_ARGUMENT(e->payload[i - SVO_I_PAYLOAD_FIRST]),
+                SVO_I_ARGUMENT(e->tree->buffers[svo_i_compact_tree_buffer(buffer)]), SVO_I_ARGUMENT(params)};
             SVO_I_TRY(
                 svo_i_work_launch(&e->work, "svo_k_expand_payload", SVO_I_ARGUMENTS(arguments), params.node_count));
         }
@@ -368,8 +367,7 @@ static svo_status unpack(expansion *e)
             SVO_I_TRY(svo_i_work_alloc(&e->work, "unpacked", info->payload_count * bytes, &e->payload[k]));
             const svo_i_argument arguments[] = {SVO_I_ARGUMENT(packed), SVO_I_ARGUMENT(e->payload[k]),
                                                 SVO_I_ARGUMENT(params)};
-            SVO_I_TRY(
-                svo_i_work_launch(&e->work, "svo_k_unpack", SVO_I_ARGUMENTS(arguments), info->payload_count));
+            SVO_I_TRY(svo_i_work_launch(&e->work, "svo_k_unpack", SVO_I_ARGUMENTS(arguments), info->payload_count));
         }
     }
     return SVO_OK;

@@ -235,9 +235,9 @@ svo_status svo_compact_read_payload(const svo_compact *compact, svo_compact_buff
                                  reader, (int)buffer);
     }
     if (first > info->payload_count || count > info->payload_count - first) {
-        return svo_i_device_fail(compact->device, SVO_INVALID_ARGUMENT, "%s: %llu elements from %llu on are not in %llu",
-                                 reader, (unsigned long long)count, (unsigned long long)first,
-                                 (unsigned long long)info->payload_count);
+        return svo_i_device_fail(compact->device, SVO_INVALID_ARGUMENT,
+                                 "%s: %llu elements from %llu on are not in %llu", reader, (unsigned long long)count,
+                                 (unsigned long long)first, (unsigned long long)info->payload_count);
     }
     if (count > 0 && elements == NULL) {
         return svo_i_device_fail(compact->device, SVO_INVALID_ARGUMENT, "%s: elements is NULL", reader);

@@ -66,14 +66,9 @@ static uint32_t distance(uint32_t a, uint32_t b)
     return a > b ? a - b : b - a;
 }
 
-static bool is_near(const packer *p, const uint16_t *a, const uint16_t *b)
+static bool is_lossy(const packer *p)
 {
-    for (uint32_t c = 0; c < p->channels; ++c) {
-        if (distance(a[c], b[c]) > p->error[c]) {
-            return false;
-        }
-    }
-    return true;
+    return p->error[0] > 0;
 }
 
 static uint32_t step_of(const packer *p, uint32_t channel)
@@ -182,24 +177,104 @@ static bool fit_green(packer *p, const element *values, uint32_t count)
 
 /* ---- palettes ---- */
 
-/* bits_max: what is already reached. */
+/* Values that one color of a palette stands for. */
+typedef struct box {
+    element low, high;
+} box;
+
+/* Takes a value into a box unless that would get wider than a color in its middle may stand for. */
+static bool widen(const packer *p, const uint16_t *value, box *of)
+{
+    box wider = *of;
+    for (uint32_t c = 0; c < p->channels; ++c) {
+        wider.low[c] = value[c] < wider.low[c] ? value[c] : wider.low[c];
+        wider.high[c] = value[c] > wider.high[c] ? value[c] : wider.high[c];
+        if ((uint32_t)(wider.high[c] - wider.low[c]) > 2 * p->error[c]) {
+            return false;
+        }
+    }
+    *of = wider;
+    return true;
+}
+
+/* Gives each value the nearest color; that of its box is near enough. */
+static void choose_nearest(const packer *p, const element *values, uint32_t count, uint32_t colors, coding *made)
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        uint64_t least = UINT64_MAX;
+        for (uint32_t k = 0; k < colors; ++k) {
+            uint64_t off = 0;
+            bool fits = true;
+            for (uint32_t c = 0; fits && c < p->channels; ++c) {
+                const uint32_t difference = distance(values[i][c], made->palette[k][c]);
+                fits = difference <= p->error[c];
+                off += (uint64_t)difference * difference;
+            }
+            if (fits && off < least) {
+                least = off;
+                made->index[i] = (uint8_t)k;
+            }
+        }
+    }
+}
+
+/* Moves each color to the mean of its values, as far as all of them stay near enough. */
+static void center_colors(const packer *p, const element *values, uint32_t count, uint32_t colors, coding *made)
+{
+    for (uint32_t k = 0; k < colors; ++k) {
+        for (uint32_t c = 0; c < p->channels; ++c) {
+            uint64_t sum = 0;
+            uint32_t members = 0;
+            uint32_t low = p->most;
+            uint32_t high = 0;
+            for (uint32_t i = 0; i < count; ++i) {
+                if (made->index[i] == k) {
+                    sum += values[i][c];
+                    ++members;
+                    low = values[i][c] < low ? values[i][c] : low;
+                    high = values[i][c] > high ? values[i][c] : high;
+                }
+            }
+            if (members == 0) {
+                continue; /* others are nearer to all of its values */
+            }
+            const uint32_t first = high > p->error[c] ? high - p->error[c] : 0;
+            const uint32_t mean = (uint32_t)((2 * sum + members) / (2 * members));
+            const uint32_t last = low + p->error[c];
+            made->palette[k][c] = (uint16_t)(mean < first ? first : mean > last ? last : mean);
+        }
+    }
+}
+
+/* Each value goes to the first box that takes it. bits_max: what is already reached. */
 static bool fit_palette(packer *p, const element *values, uint32_t count, uint32_t bits_max)
 {
     coding *made = &p->tried;
+    box boxes[SVO_PACKED_COLORS_MAX];
     const uint32_t color_bits = p->channels * p->channel_bits;
     uint32_t colors = 0;
     for (uint32_t i = 0; i < count; ++i) {
-        uint32_t at = i > 0 && is_near(p, values[i], made->palette[made->index[i - 1]]) ? made->index[i - 1] : 0;
-        while (at < colors && !is_near(p, values[i], made->palette[at])) {
+        uint32_t at = i > 0 && widen(p, values[i], &boxes[made->index[i - 1]]) ? made->index[i - 1] : 0;
+        while (at < colors && !widen(p, values[i], &boxes[at])) {
             ++at;
         }
         if (at == colors) {
             if (colors == SVO_PACKED_COLORS_MAX || (colors + 1) * color_bits >= bits_max) {
                 return false;
             }
-            memcpy(made->palette[colors++], values[i], sizeof(element));
+            memcpy(boxes[colors].low, values[i], sizeof(element));
+            memcpy(boxes[colors++].high, values[i], sizeof(element));
         }
         made->index[i] = (uint8_t)at;
+    }
+    for (uint32_t k = 0; k < colors; ++k) {
+        for (uint32_t c = 0; c < p->channels; ++c) {
+            made->palette[k][c] = (uint16_t)((boxes[k].low[c] + boxes[k].high[c]) / 2);
+        }
+    }
+    if (is_lossy(p) && colors > 1) {
+        choose_nearest(p, values, count, colors, made);
+        center_colors(p, values, count, colors, made);
     }
     const uint32_t width = bits_below(colors);
     made->mode = SVO_PACKED_PALETTE;
@@ -299,11 +374,6 @@ static bool fit_weights(packer *p, const element *values, uint32_t count, uint32
 }
 
 /* ---- blocks ---- */
-
-static bool is_lossy(const packer *p)
-{
-    return p->error[0] > 0;
-}
 
 /* The best coding of some values. */
 static void fit_block(packer *p, const element *values, uint32_t count, coding *best)
@@ -693,8 +763,8 @@ static svo_status pack(packer *p)
     return SVO_OK;
 }
 
-svo_status svo_i_pack_payload(const char *function, const svo_i_packing *what, const svo_i_memory *memory, uint32_t **words,
-                      svo_message *message)
+svo_status svo_i_pack_payload(const char *function, const svo_i_packing *what, const svo_i_memory *memory,
+                              uint32_t **words, svo_message *message)
 {
     packer *p = svo_i_alloc_zeroed(memory, 1, sizeof *p);
     *words = NULL;

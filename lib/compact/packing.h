@@ -20,7 +20,7 @@ typedef struct svo_i_packing {
  * function: for messages. words: receives them, in memory; the caller frees them, also after a failure.
  * Returns SVO_OUT_OF_HOST_MEMORY, or SVO_UNSUPPORTED where 2^32 words would be needed.
  */
-svo_status svo_i_pack_payload(const char *function, const svo_i_packing *what, const svo_i_memory *memory, uint32_t **words,
-                      svo_message *message);
+svo_status svo_i_pack_payload(const char *function, const svo_i_packing *what, const svo_i_memory *memory,
+                              uint32_t **words, svo_message *message);
 
 #endif

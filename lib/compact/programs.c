@@ -19,7 +19,7 @@ const svo_i_program svo_i_program_minimize = {.name = "minimize",
                                               .files = {&svo_i_text_stages_scan_cl, &svo_i_text_compact_minimize_cl,
                                                         &svo_i_text_compact_levels_cl, &svo_i_text_compact_gather_cl},
                                               .prove = svo_i_prove_scanner};
-const svo_i_program svo_i_program_expand = {.name = "expand",
-                                            .files = {&svo_i_text_stages_scan_cl, &svo_i_text_compact_expand_cl,
-                                                      &svo_i_text_compact_unpack_cl},
-                                            .prove = svo_i_prove_scanner};
+const svo_i_program svo_i_program_expand = {
+    .name = "expand",
+    .files = {&svo_i_text_stages_scan_cl, &svo_i_text_compact_expand_cl, &svo_i_text_compact_unpack_cl},
+    .prove = svo_i_prove_scanner};

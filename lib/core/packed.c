@@ -16,7 +16,7 @@ uint64_t svo_i_packed_bytes(const uint32_t *words)
 void svo_i_packed_errors(const uint32_t *words, svo_compact_buffer buffer, svo_compact_info *info)
 {
     const int k = (int)buffer - (int)SVO_I_PAYLOAD_FIRST;
-    const uint64_t components = buffer == SVO_COMPACT_COLORS ? 4 : svo_packed_channels(words[0]);
+    const uint64_t components = svo_packed_channels(words[0]) < 3 ? 1 : 3; /* not alpha */
     const uint64_t sum = (uint64_t)words[6] << 32 | words[5];
     info->largest_error[k] = words[4];
     if (buffer == SVO_COMPACT_NORMALS) {
@@ -65,8 +65,8 @@ static bool fits_buffer(const packed_check *c)
     const uint32_t kind = head >> 16 & 0xff;
     const uint32_t most = head >> 24;
     if (kind == SVO_PACKED_OCTAHEDRAL) {
-        return c->buffer == SVO_COMPACT_NORMALS && channels == 3 && bits == 8 && most >= 7 && most <= 127 && (most & (most + 1)) == 0 &&
-               c->words[2] == 1;
+        return c->buffer == SVO_COMPACT_NORMALS && channels == 3 && bits == 8 && most >= 7 && most <= 127 &&
+               (most & (most + 1)) == 0 && c->words[2] == 1;
     }
     if (kind != SVO_PACKED_PLAIN || most != 0) {
         return false;

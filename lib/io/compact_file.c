@@ -37,14 +37,14 @@ static void fill_header(const svo_compact_info *info, file_header *header)
 
 static void fill_counts(const svo_compact_info *info, file_counts *counts)
 {
-    *counts = (file_counts){.form = info->form,
-                            .minimized = info->minimized,
-                            .directory_step_log2 = info->directory_step_log2,
-                            .packed = info->packed |
-                                      (info->packed != 0 && info->is_exact == 0 ? FILE_PACKED_ROUNDED : 0),
-                            .stored_count = info->stored_count,
-                            .far_count = info->far_count,
-                            .shared_count = info->shared_count};
+    *counts =
+        (file_counts){.form = info->form,
+                      .minimized = info->minimized,
+                      .directory_step_log2 = info->directory_step_log2,
+                      .packed = info->packed | (info->packed != 0 && info->is_exact == 0 ? FILE_PACKED_ROUNDED : 0),
+                      .stored_count = info->stored_count,
+                      .far_count = info->far_count,
+                      .shared_count = info->shared_count};
     memcpy(counts->level_leaf, info->level_leaf, sizeof counts->level_leaf);
 }
 
@@ -93,31 +93,29 @@ static svo_status load_chunk(const svo_i_file_load *state, const file_chunk *chu
 
 static void fill_info(const file_header *header, const file_counts *counts, svo_compact_info *info)
 {
-    *info = (svo_compact_info){.struct_size = sizeof *info,
-                               .form = (svo_form)counts->form,
-                               .minimized = counts->minimized,
-                               .directory_step_log2 = counts->directory_step_log2,
-                               .depth = header->depth,
-                               .snap_bits = header->snap_bits,
-                               .coverage = header->coverage,
-                               .need = header->need,
-                               .constant = header->constant,
-                               .weights = header->weights,
-                               .payload_level = header->payload_level,
-                               .origin = {header->origin[0], header->origin[1], header->origin[2]},
-                               .edge = header->edge,
-                               .scale = header->scale,
-                               .triangles = header->triangles,
-                               .refused_triangles = header->refused_triangles,
-                               .fragments = header->fragments,
-                               .stored_count = counts->stored_count,
-                               .far_count = counts->far_count,
-                               .shared_count = counts->shared_count,
-                               .is_exact = header->version >= FILE_COMPACT_EXACT &&
-                                                   (counts->packed & FILE_PACKED_ROUNDED) == 0
-                                               ? 1
-                                               : 0,
-                               .packed = counts->packed & ~FILE_PACKED_ROUNDED};
+    *info = (svo_compact_info){
+        .struct_size = sizeof *info,
+        .form = (svo_form)counts->form,
+        .minimized = counts->minimized,
+        .directory_step_log2 = counts->directory_step_log2,
+        .depth = header->depth,
+        .snap_bits = header->snap_bits,
+        .coverage = header->coverage,
+        .need = header->need,
+        .constant = header->constant,
+        .weights = header->weights,
+        .payload_level = header->payload_level,
+        .origin = {header->origin[0], header->origin[1], header->origin[2]},
+        .edge = header->edge,
+        .scale = header->scale,
+        .triangles = header->triangles,
+        .refused_triangles = header->refused_triangles,
+        .fragments = header->fragments,
+        .stored_count = counts->stored_count,
+        .far_count = counts->far_count,
+        .shared_count = counts->shared_count,
+        .is_exact = header->version >= FILE_COMPACT_EXACT && (counts->packed & FILE_PACKED_ROUNDED) == 0 ? 1 : 0,
+        .packed = counts->packed & ~FILE_PACKED_ROUNDED};
     for (uint32_t level = 0; level < header->depth; ++level) {
         info->level_inner[level] = header->level_begin[level + 1] - header->level_begin[level];
     }

@@ -138,7 +138,7 @@ static errors compare(svo_compact_buffer buffer, const void *a, const void *b, u
     const uint32_t components = components_of(buffer);
     errors found = {0, 0, 0};
     for (uint32_t i = 0; i < count * components; ++i) {
-        const int32_t off = buffer == SVO_COMPACT_COLORS ? ((const uint8_t *)a)[i] - ((const uint8_t *)b)[i]
+        const int32_t off = buffer == SVO_COMPACT_COLORS    ? ((const uint8_t *)a)[i] - ((const uint8_t *)b)[i]
                             : buffer == SVO_COMPACT_NORMALS ? ((const int16_t *)a)[i] - ((const int16_t *)b)[i]
                                                             : ((const uint16_t *)a)[i] - ((const uint16_t *)b)[i];
         const uint32_t size = (uint32_t)(off < 0 ? -off : off);

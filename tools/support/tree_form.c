@@ -41,7 +41,8 @@ const char *tree_form_packing(const options *given)
 bool tree_form_keeps(const program *state, const svo_compact *compact)
 {
     const svo_compact_options asked = tree_form_options(&state->options);
-    return tree_form_fits(compact, &asked) && (tree_form_packing(&state->options) == NULL || tree_form_is_plain(compact));
+    return tree_form_fits(compact, &asked) &&
+           (tree_form_packing(&state->options) == NULL || tree_form_is_plain(compact));
 }
 
 int tree_form_pack(program *state, const session *opened, svo_compact **compact)
@@ -157,8 +158,10 @@ typedef struct payload_kind {
 
 static const payload_kind *payload_of(int k)
 {
-    static const payload_kind kinds[SVO_PAYLOAD_COUNT] = {
-        {"colors", SVO_NEED_COLOR}, {"normals", SVO_NEED_NORMAL}, {"materials", SVO_NEED_MATERIAL}, {"fills", SVO_NEED_FILL}};
+    static const payload_kind kinds[SVO_PAYLOAD_COUNT] = {{"colors", SVO_NEED_COLOR},
+                                                          {"normals", SVO_NEED_NORMAL},
+                                                          {"materials", SVO_NEED_MATERIAL},
+                                                          {"fills", SVO_NEED_FILL}};
     return &kinds[k];
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Compact trees by --tree-form, --minimize, --directory-step, --color-error and --normal-bits: made from trees, or as they are in a .svc file. */
+/* Compact trees by --tree-form, --minimize, --directory-step, --color-error and --normal-bits: made from trees, or as
+   they are in a .svc file. */
 #ifndef SVOCL_TOOLS_SUPPORT_TREE_FORM_H
 #define SVOCL_TOOLS_SUPPORT_TREE_FORM_H
 

@@ -50,7 +50,7 @@ class CompactArrays(NamedTuple):
     fills: Optional[npt.NDArray[np.uint16]]
     """(payload_count,): surface area inside, 4096 = a face of the node."""
     packed: dict[str, npt.NDArray[np.uint32]]
-    """The words of packed arrays by name, "colors" to "fills"; those above are None then. Compact.payload reads them."""
+    """The words of packed arrays by name, "colors" to "fills", which are None above; Compact.payload reads them."""
 
 
 class Compact(Resident):
