@@ -235,6 +235,22 @@ static void sizes_are_those_of_the_layout(void **state)
     svo_i_free(words);
 }
 
+/* Equal elements and noise behind them are blocks of their own: a color, and the least with 16 bits each. */
+static void blocks_end_where_others_begin(void **state)
+{
+    (void)state;
+    uint64_t seed = 29;
+    uint16_t materials[256];
+    for (int i = 0; i < 256; ++i) {
+        materials[i] = (uint16_t)(i < 128 ? 4711 : random_below(&seed, 65536));
+    }
+    const svo_i_packing what = {.buffer = SVO_COMPACT_MATERIALS, .elements = materials, .count = 256};
+    uint32_t *words = pack(&what);
+    assert_int_equal(words[8], 1 | 1u << 16);
+    assert_int_equal(words[7], 8 + 2 + 2 + (16 + 16 + 128 * 16) / 32);
+    svo_i_free(words);
+}
+
 /* ---- octahedral normals ---- */
 
 static void axes_and_nothing_are_exact(void **state)
@@ -303,6 +319,7 @@ TEST_GROUP(packing)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(exact_arrays_come_back_as_they_were), cmocka_unit_test(errors_stay_within_what_was_asked),
         cmocka_unit_test(shades_are_weights_on_a_line),        cmocka_unit_test(sizes_are_those_of_the_layout),
-        cmocka_unit_test(axes_and_nothing_are_exact),          cmocka_unit_test(octahedral_normals_are_near)};
+        cmocka_unit_test(blocks_end_where_others_begin),       cmocka_unit_test(axes_and_nothing_are_exact),
+        cmocka_unit_test(octahedral_normals_are_near)};
     return cmocka_run_group_tests_name("packing", tests, NULL, NULL);
 }
