@@ -403,6 +403,16 @@ static void damaged_packed_payload_is_noticed(void **state)
             }
             *at ^= (uint8_t)(1u << bit % 8);
         }
+        /* Where the first block's data begins. */
+        for (size_t bit = 0; packed && bit < 14; ++bit) {
+            uint32_t header = 0;
+            memcpy(&header, file.data + head.chunks[i].offset + 4 * 9, sizeof header);
+            uint8_t *at = file.data + head.chunks[i].offset + 4 * (size_t)header + bit / 8;
+            *at ^= (uint8_t)(1u << bit % 8);
+            repair(&file);
+            assert_damaged(&file, "header, bit", bit);
+            *at ^= (uint8_t)(1u << bit % 8);
+        }
         /* The kind, both counts, the first entry of the directory: each bit. */
         for (size_t bit = 0; packed && bit < 32; ++bit) {
             static const size_t words[] = {0, 1, 7, 8, 9};

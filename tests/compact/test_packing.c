@@ -187,14 +187,15 @@ static void errors_stay_within_what_was_asked(void **state)
     assert_true(2 * lossy_bytes < exact_bytes);
 }
 
-/* Shades of one color with a little noise are a line: weights of a few bits, where three channels would take more. */
+/* Shades of one color with a little noise are a line through the middle of the noise: weights of a few bits, where three
+   channels would take more. */
 static void shades_are_weights_on_a_line(void **state)
 {
     (void)state;
     uint8_t colors[256][4];
     for (int i = 0; i < 256; ++i) {
         const int shade = i * 37 % 256;
-        colors[i][0] = (uint8_t)(shade / 2 + 20);
+        colors[i][0] = (uint8_t)(shade / 2 + 20 + i % 2 * 7);
         colors[i][1] = (uint8_t)(200 - shade / 4);
         colors[i][2] = (uint8_t)shade;
         colors[i][3] = 255;
