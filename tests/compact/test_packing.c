@@ -187,8 +187,8 @@ static void errors_stay_within_what_was_asked(void **state)
     assert_true(2 * lossy_bytes < exact_bytes);
 }
 
-/* Shades of one color with a little noise are a line through the middle of the noise: weights of a few bits, where three
-   channels would take more. */
+/* Shades of one color with a little noise are a line through the middle of the noise: weights of a few bits, where
+   three channels would take more. */
 static void shades_are_weights_on_a_line(void **state)
 {
     (void)state;
