@@ -138,13 +138,14 @@ static svo_status pack_arrays(packed_arrays *p)
 static svo_status share_array(const svo_compact *compact, svo_compact_buffer buffer, svo_compact *out)
 {
     const size_t bytes = (size_t)compact->info.bytes[buffer];
-    if (compact->device != NULL) {
+    if (compact->device != NULL && bytes > 0) {
+        const cl_int error = clRetainMemObject(compact->buffers[buffer]);
+        if (error != CL_SUCCESS) {
+            return svo_i_device_fail_cl(compact->device, function, "clRetainMemObject", error);
+        }
         out->buffers[buffer] = compact->buffers[buffer];
-        return bytes == 0 || clRetainMemObject(compact->buffers[buffer]) == CL_SUCCESS
-                   ? SVO_OK
-                   : svo_i_device_fail(compact->device, SVO_CL_ERROR, "%s: clRetainMemObject failed", function);
     }
-    if (bytes == 0) {
+    if (compact->device != NULL || bytes == 0) {
         return SVO_OK;
     }
     out->host[buffer] = svo_i_alloc(&compact->memory, bytes);
