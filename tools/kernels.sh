@@ -34,6 +34,10 @@ all_variants()
         printf '%s\t%s RAY_STREAMS\n' kernels/rays/trace_voxels.cl "$form"
         printf 'kernels/scene/trace.cl\t%s RAY_STREAMS LANES_APART\n' "$form"
     done
+    # Packed payload.
+    printf 'kernels/compact/unpack.cl\tPACKED\n'
+    names='COLOR NORMAL PACKED_COLOR PACKED_NORMAL READ_SHARED HAS_BASES'
+    printf '%s\n' kernels/rays/{render,view}.cl$'\t'"$names"{,' CAST_TILES'}
     # Pictures of scenes are of voxels.
     printf 'kernels/scene/trace.cl\t%s\n' SCENE_TRIANGLES 'SCENE_TRIANGLES RAY_STREAMS' 'RAY_STREAMS LANES_APART'
     # What of a scene shows in part.

@@ -44,6 +44,12 @@
  * SVO_NO_NODE where the children are above payload_level, and 0 beside far words. In every form bases is absent where
  * all payload is constant or not held.
  *
+ * Packed payload. svo_compact_pack codes payload arrays in blocks of neighbors; pictures and svo_compact_expand read
+ * any element where it is. The elements stay in the form's order. kernels/shared/packed.clh has the layout to the bit,
+ * and svo_kernel_source has its functions in programs compiled with -DSVO_PACKED: svo_packed_color(words, place) gives
+ * RGBA8 with red in the lowest byte, svo_packed_normal(words, place, uint out[3]) the components in 16 bits each,
+ * svo_packed_halves(words, place, 1, out) a material or a fill; words is the array's buffer.
+ *
  * Thread-safety: several threads may call functions that take a const svo_compact. All others need exclusive use of it
  * and of its device handle.
  */
@@ -83,6 +89,9 @@ typedef enum svo_compact_buffer {
     SVO_COMPACT_FILLS, /**< "fills": u16 each */
     SVO_COMPACT_BUFFER_COUNT /**< number of arrays */
 } svo_compact_buffer;
+
+/** The payload arrays among them, which begin with SVO_COMPACT_COLORS. */
+#define SVO_PAYLOAD_COUNT 4
 
 /** Options of a compact tree. */
 typedef struct svo_compact_options {
@@ -137,6 +146,12 @@ typedef struct svo_compact_info {
     /** Not 0: voxels are those of the mesh, or the voxels, as given. 0: the tree or the compact tree is from a file of
      *  an older version, and they are those of the mesh as it was rounded; as in svo_tree_info. */
     uint32_t is_exact;
+    uint32_t packed; /**< svo_need bits: payload that is packed; bytes has its packed length */
+    uint32_t normal_bits; /**< of packed normals: as in svo_pack_options */
+    /** Of packed payload, colors, normals, materials and fills in turn: the largest difference of a component from what
+     *  was packed, and below it the mean one over all components but alpha and all elements. 0: nothing changed. */
+    uint32_t largest_error[SVO_PAYLOAD_COUNT];
+    double mean_error[SVO_PAYLOAD_COUNT]; /**< see largest_error */
 } svo_compact_info;
 
 /** An empty output. */
@@ -152,6 +167,8 @@ typedef struct svo_compact_arrays {
     const int16_t *normals; /**< payload_count * 3 */
     const uint16_t *materials; /**< payload_count */
     const uint16_t *fills; /**< payload_count */
+    /** Packed colors, normals, materials and fills in turn, where those above are NULL; svo_compact_info.bytes each. */
+    const uint32_t *packed[SVO_PAYLOAD_COUNT];
 } svo_compact_arrays;
 
 /** An empty output. */
@@ -191,6 +208,45 @@ SVO_API svo_status svo_compact_create(svo_device *device, const svo_tree *tree, 
  * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the tree would have more than 2^32 - 2 nodes),
  *          SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR on failure. */
 SVO_API svo_status svo_compact_expand(svo_compact *compact, cl_command_queue queue, svo_tree **out);
+
+/** What is packed, and how much may change. All zero: all payload, exactly. */
+typedef struct svo_pack_options {
+    size_t struct_size; /**< sizeof(svo_pack_options) */
+    uint32_t leave_out; /**< svo_need bits: payload that stays as it is */
+    uint32_t color_error; /**< most that red, green and blue may change, 0 .. 255; alpha never changes */
+    /** 0: normals are exact. 4 .. 8: they become octahedral, with so many bits for each of two numbers, and eight for
+     *  the length; svo_compact_info.largest_error tells what that changed. */
+    uint32_t normal_bits;
+    uint32_t fill_error; /**< most that fills may change, 0 .. 65535 */
+} svo_pack_options;
+
+/** All defaults. */
+#define SVO_PACK_OPTIONS_INIT SVO_STRUCT_INIT(svo_pack_options)
+
+/** Makes a compact tree with packed payload of another one, on the host, and waits. Arrays that are constant, packed
+ *  already, or would not get smaller are those of the other; on a device the two then have one buffer. Packed arrays
+ *  are the same bytes on every machine. Pictures have the bytes that the expanded tree's have. A scene does not take a
+ *  compact tree with packed colors or normals that it needs.
+ *
+ * \param compact on a device, or else with host arrays; it stays as it is
+ * \param options NULL means all defaults
+ * \param queue on the device's context; NULL: the device's own; of no meaning without a device
+ * \param out receives the compact tree, on the device alone, or else with host arrays alone
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (an array would take 2^32 words), SVO_OUT_OF_HOST_MEMORY,
+ *          SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR on failure. */
+SVO_API svo_status svo_compact_pack(const svo_compact *compact, const svo_pack_options *options, cl_command_queue queue,
+                                    svo_compact **out);
+
+/** Reads payload of a compact tree on the host, packed or not. Constant payload is given for each element.
+ *
+ * \param compact with host arrays
+ * \param buffer a payload array that is held
+ * \param first the place of the first element
+ * \param count how many; first + count is at most svo_compact_info.payload_count
+ * \param elements receives them: 4 u8 of colors, 3 i16 of normals, u16 of materials or fills each; NULL if count is 0
+ * \returns SVO_INVALID_ARGUMENT on failure. */
+SVO_API svo_status svo_compact_read_payload(const svo_compact *compact, svo_compact_buffer buffer, uint64_t first,
+                                            uint64_t count, void *elements);
 
 /** Destroys a compact tree.
  *

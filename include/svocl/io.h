@@ -63,16 +63,17 @@
  * are without them: rays meet the rounded mesh (svo_tree_info.positions).
  *
  * Files of compact trees (compact.h) differ in this: the magic is 89 53 56 43 0D 0A 1A 0A ("\x89SVC\r\n\x1a\n"). The
- * version is 2, or 1 where svo_compact_info.is_exact is 0, as it is for all files that svocl wrote before; the layout
- * is the same. need has payload alone. level_begin counts inner nodes: level l has level_begin[l + 1] - level_begin[l]
- * of them, level depth none. The kind of a chunk is a svo_compact_buffer, in ascending order, where the array is held,
+ * version is 3 with packed payload, else 2, or 1 where svo_compact_info.is_exact is 0, as it is for all files that
+ * svocl wrote before; the layout is the same. A packed array has the length that its head says (compact.h).
+ * need has payload alone. level_begin counts inner nodes: level l has level_begin[l + 1] - level_begin[l] of them,
+ * level depth none. The kind of a chunk is a svo_compact_buffer, in ascending order, where the array is held,
  * and its level is 0. Before them there is one chunk of kind 64:
  *
  *     offset bytes
  *     0      4     u32 form: svo_form
  *     4      4     u32 minimized: 0 or 1
  *     8      4     u32 directory_step_log2: 4 .. 6 with SVO_FORM_IMPLIED, else 0
- *     12     4     u32 reserved: 0
+ *     12     4     u32 packed: svo_need bits; bit 31 where is_exact is 0; 0 before version 3
  *     16     8     u64 stored_count
  *     24     8     u64 far_count
  *     32     8     u64 shared_count

@@ -21,7 +21,7 @@
 static __global const uchar *svo_cast_clear(__global const uchar *colors)
 {
 #ifdef SVO_COLOR
-    return colors[3] != 255u ? colors : 0;
+    return svo_payload_alpha(colors, 0u) != 255u ? colors : 0;
 #else
     (void)colors;
     return 0;

@@ -63,7 +63,7 @@ static float3 svo_view_normal(const svo_cast_hit *hit, float3 direction, __globa
     const float3 face =
         (float3)(hit->axis == 0 ? side : 0.0f, hit->axis == 1 ? side : 0.0f, hit->axis == 2 ? side : 0.0f);
 #ifdef SVO_NORMAL
-    const float3 own = convert_float3(vload3(SVO_NORMAL_INDEX(hit->place), normals)) / 32767.0f;
+    const float3 own = svo_payload_normal(normals, hit->place);
     return dot(own, own) > 0.04f ? normalize(own) : face;
 #else
     (void)normals;

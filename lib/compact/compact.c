@@ -187,6 +187,7 @@ typedef struct expansion {
     svo_i_device_work work;
     const svo_compact *compact;
     svo_tree *tree;
+    cl_mem payload[SVO_I_PAYLOAD_COUNT]; /* not packed: of the compact tree, or scratch */
     uint32_t level;
     cl_mem nodes; /* svo_expanded of the level's nodes; scratch */
     cl_mem below; /* those of the next level */
@@ -321,9 +322,9 @@ static svo_status expand_payload(expansion *e)
         if (info->bytes[i] > 0 && !svo_i_compact_is_constant(info, buffer)) {
             params.payload_begin = e->tree->info.level_begin[e->level] - e->tree->info.level_begin[info->payload_level];
             params.element_halves = (cl_uint)(svo_i_compact_element_bytes(info, buffer) / 2);
-            const svo_i_argument arguments[] = {SVO_I_ARGUMENT(e->nodes), SVO_I_ARGUMENT(e->compact->buffers[i]),
-                                                SVO_I_ARGUMENT(e->tree->buffers[svo_i_compact_tree_buffer(buffer)]),
-                                                SVO_I_ARGUMENT(params)};
+            const svo_i_argument arguments[] = {
+                SVO_I_ARGUMENT(e->nodes), SVO_I_ARGUMENT(e->payload[i - SVO_I_PAYLOAD_FIRST]),
+                SVO_I_ARGUMENT(e->tree->buffers[svo_i_compact_tree_buffer(buffer)]), SVO_I_ARGUMENT(params)};
             SVO_I_TRY(
                 svo_i_work_launch(&e->work, "svo_k_expand_payload", SVO_I_ARGUMENTS(arguments), params.node_count));
         }
@@ -351,13 +352,36 @@ static svo_status make_buffers(expansion *e)
     return SVO_OK;
 }
 
+/* Packed arrays as they were before, in scratch buffers. */
+static svo_status unpack(expansion *e)
+{
+    const svo_compact_info *info = &e->compact->info;
+    svo_compact_params params = {.node_count = (cl_uint)info->payload_count};
+    for (int k = 0; k < SVO_I_PAYLOAD_COUNT; ++k) {
+        const svo_compact_buffer buffer = (svo_compact_buffer)(SVO_I_PAYLOAD_FIRST + k);
+        cl_mem packed = e->compact->buffers[buffer];
+        e->payload[k] = packed;
+        if (svo_i_compact_is_packed(info, buffer)) {
+            const size_t bytes = svo_i_compact_element_bytes(info, buffer);
+            params.element_halves = (cl_uint)(bytes / 2);
+            SVO_I_TRY(svo_i_work_alloc(&e->work, "unpacked", info->payload_count * bytes, &e->payload[k]));
+            const svo_i_argument arguments[] = {SVO_I_ARGUMENT(packed), SVO_I_ARGUMENT(e->payload[k]),
+                                                SVO_I_ARGUMENT(params)};
+            SVO_I_TRY(svo_i_work_launch(&e->work, "svo_k_unpack", SVO_I_ARGUMENTS(arguments), info->payload_count));
+        }
+    }
+    return SVO_OK;
+}
+
 static svo_status expand(expansion *e)
 {
     char defines[128];
     const size_t node_bytes = expanded_bytes(e->compact->info.form);
-    (void)snprintf(defines, sizeof defines, " -DSVO_SORT%s", svo_i_form_defines(&e->compact->info));
+    (void)snprintf(defines, sizeof defines, " -DSVO_SORT%s%s", svo_i_form_defines(&e->compact->info),
+                   e->compact->info.packed != 0 ? " -DSVO_PACKED" : "");
     SVO_I_TRY(svo_i_work_use(&e->work, &svo_i_program_expand, defines));
     SVO_I_TRY(make_buffers(e));
+    SVO_I_TRY(unpack(e));
     SVO_I_TRY(svo_i_work_alloc(&e->work, "expanded", node_bytes, &e->nodes));
     SVO_I_TRY(svo_i_work_fill_zero(&e->work, e->nodes, node_bytes));
     for (e->level = 0; e->level < e->tree->info.depth; ++e->level) {

@@ -6,7 +6,9 @@
  *   source    what encoders read: a tree's nodes, or those of a minimized one
  *   dag       records of the form "shared", on the host
  *   form      this: the forms
+ *   packing   payload arrays to packed ones, on the host
  *   compact   plan, creation, expansion
+ *   pack      payload of a compact tree packed, and read on the host
  *   rays      rays through compact trees, pictures, the caller's kernels
  */
 #ifndef SVO_LIB_COMPACT_FORM_H

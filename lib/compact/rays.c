@@ -79,7 +79,9 @@ static svo_i_picture_source describe(svo_compact *compact, const char *function)
                                   .normals = compact->buffers[SVO_COMPACT_NORMALS],
                                   .one_color = svo_i_compact_is_constant(info, SVO_COMPACT_COLORS),
                                   .one_normal = svo_i_compact_is_constant(info, SVO_COMPACT_NORMALS),
-                                  .payload_level = info->payload_level};
+                                  .payload_level = info->payload_level,
+                                  .packed_colors = (info->packed & SVO_NEED_COLOR) != 0,
+                                  .packed_normals = (info->packed & SVO_NEED_NORMAL) != 0};
 }
 
 static svo_status render(void *of, const svo_render_options *options, const svo_array *pixels, const svo_submit *submit)

@@ -77,6 +77,11 @@ bool svo_i_compact_is_constant(const svo_compact_info *info, svo_compact_buffer 
     return (info->constant & svo_i_compact_need(buffer)) != 0;
 }
 
+bool svo_i_compact_is_packed(const svo_compact_info *info, svo_compact_buffer buffer)
+{
+    return (info->packed & svo_i_compact_need(buffer)) != 0;
+}
+
 size_t svo_i_compact_element_bytes(const svo_compact_info *info, svo_compact_buffer buffer)
 {
     switch (buffer) {
@@ -156,7 +161,9 @@ void svo_i_compact_count(svo_compact_info *info)
     info->total_bytes = 0;
     for (int i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
         const svo_compact_buffer buffer = (svo_compact_buffer)i;
-        info->bytes[i] = count_elements(info, buffer) * svo_i_compact_element_bytes(info, buffer);
+        if (!svo_i_compact_is_packed(info, buffer)) {
+            info->bytes[i] = count_elements(info, buffer) * svo_i_compact_element_bytes(info, buffer);
+        }
         info->total_bytes += info->bytes[i];
     }
 }
@@ -180,13 +187,20 @@ svo_status svo_compact_get_arrays(const svo_compact *compact, svo_compact_arrays
     if (compact == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    const svo_compact_arrays held = {.nodes = compact->host[SVO_COMPACT_NODES],
-                                     .links = compact->host[SVO_COMPACT_LINKS],
-                                     .bases = compact->host[SVO_COMPACT_BASES],
-                                     .colors = compact->host[SVO_COMPACT_COLORS],
-                                     .normals = compact->host[SVO_COMPACT_NORMALS],
-                                     .materials = compact->host[SVO_COMPACT_MATERIALS],
-                                     .fills = compact->host[SVO_COMPACT_FILLS]};
+    svo_compact_arrays held = {.nodes = compact->host[SVO_COMPACT_NODES],
+                               .links = compact->host[SVO_COMPACT_LINKS],
+                               .bases = compact->host[SVO_COMPACT_BASES]};
+    const void *plain[SVO_I_PAYLOAD_COUNT];
+    for (int k = 0; k < SVO_I_PAYLOAD_COUNT; ++k) {
+        const svo_compact_buffer buffer = (svo_compact_buffer)(SVO_I_PAYLOAD_FIRST + k);
+        const bool packed = svo_i_compact_is_packed(&compact->info, buffer);
+        plain[k] = packed ? NULL : compact->host[buffer];
+        held.packed[k] = packed ? compact->host[buffer] : NULL;
+    }
+    held.colors = plain[0];
+    held.normals = plain[1];
+    held.materials = plain[2];
+    held.fills = plain[3];
     return svo_i_struct_write(svo_i_device_message(compact->device), "svo_compact_get_arrays", "arrays", &held, arrays,
                               SVO_I_STRUCT_SIZES(svo_compact_arrays, fills));
 }

@@ -43,6 +43,8 @@ void svo_i_compact_count(svo_compact_info *info);
 
 /* Whether payload has one element for all nodes, and the bytes of an element of an array. */
 bool svo_i_compact_is_constant(const svo_compact_info *info, svo_compact_buffer buffer);
+/* Whether an array is packed; info->bytes then has its length, which does not follow from the counts. */
+bool svo_i_compact_is_packed(const svo_compact_info *info, svo_compact_buffer buffer);
 size_t svo_i_compact_element_bytes(const svo_compact_info *info, svo_compact_buffer buffer);
 /* The svo_need bit of a payload array; 0 for others. And the array of a tree that has the same elements. */
 uint32_t svo_i_compact_need(svo_compact_buffer buffer);

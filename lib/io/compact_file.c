@@ -5,6 +5,7 @@
 
 #include "core/compact.h"
 #include "core/message.h"
+#include "core/packed.h"
 #include "core/struct_size.h"
 #include "io/file_format.h"
 
@@ -13,7 +14,9 @@
 static void fill_header(const svo_compact_info *info, file_header *header)
 {
     memcpy(header->magic, FILE_COMPACT_MAGIC, FILE_MAGIC_BYTES);
-    header->version = info->is_exact != 0 ? FILE_COMPACT_VERSION : FILE_COMPACT_EXACT - 1;
+    header->version = info->packed != 0     ? FILE_COMPACT_PACKED
+                      : info->is_exact != 0 ? FILE_COMPACT_EXACT
+                                            : FILE_COMPACT_EXACT - 1;
     header->depth = info->depth;
     header->snap_bits = info->snap_bits;
     header->coverage = info->coverage;
@@ -34,12 +37,14 @@ static void fill_header(const svo_compact_info *info, file_header *header)
 
 static void fill_counts(const svo_compact_info *info, file_counts *counts)
 {
-    *counts = (file_counts){.form = info->form,
-                            .minimized = info->minimized,
-                            .directory_step_log2 = info->directory_step_log2,
-                            .stored_count = info->stored_count,
-                            .far_count = info->far_count,
-                            .shared_count = info->shared_count};
+    *counts =
+        (file_counts){.form = info->form,
+                      .minimized = info->minimized,
+                      .directory_step_log2 = info->directory_step_log2,
+                      .packed = info->packed | (info->packed != 0 && info->is_exact == 0 ? FILE_PACKED_ROUNDED : 0),
+                      .stored_count = info->stored_count,
+                      .far_count = info->far_count,
+                      .shared_count = info->shared_count};
     memcpy(counts->level_leaf, info->level_leaf, sizeof counts->level_leaf);
 }
 
@@ -88,27 +93,29 @@ static svo_status load_chunk(const svo_i_file_load *state, const file_chunk *chu
 
 static void fill_info(const file_header *header, const file_counts *counts, svo_compact_info *info)
 {
-    *info = (svo_compact_info){.struct_size = sizeof *info,
-                               .form = (svo_form)counts->form,
-                               .minimized = counts->minimized,
-                               .directory_step_log2 = counts->directory_step_log2,
-                               .depth = header->depth,
-                               .snap_bits = header->snap_bits,
-                               .coverage = header->coverage,
-                               .need = header->need,
-                               .constant = header->constant,
-                               .weights = header->weights,
-                               .payload_level = header->payload_level,
-                               .origin = {header->origin[0], header->origin[1], header->origin[2]},
-                               .edge = header->edge,
-                               .scale = header->scale,
-                               .triangles = header->triangles,
-                               .refused_triangles = header->refused_triangles,
-                               .fragments = header->fragments,
-                               .stored_count = counts->stored_count,
-                               .far_count = counts->far_count,
-                               .shared_count = counts->shared_count,
-                               .is_exact = header->version >= FILE_COMPACT_EXACT ? 1 : 0};
+    *info = (svo_compact_info){
+        .struct_size = sizeof *info,
+        .form = (svo_form)counts->form,
+        .minimized = counts->minimized,
+        .directory_step_log2 = counts->directory_step_log2,
+        .depth = header->depth,
+        .snap_bits = header->snap_bits,
+        .coverage = header->coverage,
+        .need = header->need,
+        .constant = header->constant,
+        .weights = header->weights,
+        .payload_level = header->payload_level,
+        .origin = {header->origin[0], header->origin[1], header->origin[2]},
+        .edge = header->edge,
+        .scale = header->scale,
+        .triangles = header->triangles,
+        .refused_triangles = header->refused_triangles,
+        .fragments = header->fragments,
+        .stored_count = counts->stored_count,
+        .far_count = counts->far_count,
+        .shared_count = counts->shared_count,
+        .is_exact = header->version >= FILE_COMPACT_EXACT && (counts->packed & FILE_PACKED_ROUNDED) == 0 ? 1 : 0,
+        .packed = counts->packed & ~FILE_PACKED_ROUNDED};
     for (uint32_t level = 0; level < header->depth; ++level) {
         info->level_inner[level] = header->level_begin[level + 1] - header->level_begin[level];
     }
@@ -134,6 +141,18 @@ static svo_status check_leaf_counts(const svo_i_file_load *state, const file_cou
     return SVO_OK;
 }
 
+/* Packed payload is held, differs from node to node, and makes the version. */
+static svo_status check_packed(const svo_i_file_load *state, const file_counts *counts)
+{
+    const file_header *header = &state->head.header;
+    const uint32_t packed = counts->packed & ~FILE_PACKED_ROUNDED;
+    const uint32_t possible = header->need & ~(uint32_t)header->constant & SVO_I_PAYLOAD_NEEDS;
+    const bool fits = header->version >= FILE_COMPACT_PACKED ? packed != 0 : counts->packed == 0;
+    return fits && (packed & ~possible) == 0
+               ? SVO_OK
+               : svo_i_file_damaged(state, "counts: packed 0x%" PRIx32 " does not fit the payload", counts->packed);
+}
+
 /* How many words there are is for the records to tell. */
 static svo_status check_shared_counts(const svo_i_file_load *state, const file_counts *counts)
 {
@@ -149,10 +168,11 @@ static svo_status check_counts(const svo_i_file_load *state, const file_counts *
     const uint64_t inner = state->head.header.level_begin[state->head.header.depth];
     const uint32_t step_log2 = counts->directory_step_log2;
     uint64_t stored = inner + counts->far_count;
-    if (counts->form >= SVO_FORM_COUNT || counts->minimized > 1 || counts->reserved != 0) {
-        return svo_i_file_damaged(state, "counts: form %" PRIu32 ", minimized %" PRIu32 " or %" PRIu32 " is not known",
-                                  counts->form, counts->minimized, counts->reserved);
+    if (counts->form >= SVO_FORM_COUNT || counts->minimized > 1) {
+        return svo_i_file_damaged(state, "counts: form %" PRIu32 " or minimized %" PRIu32 " is not known", counts->form,
+                                  counts->minimized);
     }
+    SVO_I_TRY(check_packed(state, counts));
     if (implied ? step_log2 < SVO_I_DIRECTORY_LOG2_MIN || step_log2 > SVO_I_DIRECTORY_LOG2_MAX : step_log2 != 0) {
         return svo_i_file_damaged(state, "counts: directory_step_log2 %" PRIu32 " does not fit the form", step_log2);
     }
@@ -218,6 +238,30 @@ static svo_status load_arrays(const svo_i_file_load *state, uint64_t offset, svo
     return svo_i_file_check_end(state, chunk_index, offset);
 }
 
+/* The lengths of packed arrays are those of their chunks. */
+static void find_packed_bytes(const svo_i_file_load *state, svo_compact_info *info)
+{
+    for (uint32_t k = 0; k < state->head.header.chunk_count; ++k) {
+        const file_chunk *chunk = &state->head.chunks[k];
+        if (chunk->kind < SVO_COMPACT_BUFFER_COUNT && svo_i_compact_is_packed(info, (svo_compact_buffer)chunk->kind)) {
+            info->bytes[chunk->kind] = chunk->plain_bytes;
+        }
+    }
+    svo_i_compact_count(info);
+}
+
+static svo_status check_payload(const svo_i_file_load *state, svo_compact *compact)
+{
+    for (uint32_t i = SVO_I_PAYLOAD_FIRST; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
+        const svo_compact_buffer buffer = (svo_compact_buffer)i;
+        if (svo_i_compact_is_packed(&compact->info, buffer)) {
+            SVO_I_TRY(svo_i_packed_check(compact, buffer, state->source.name, state->source.message));
+            svo_i_packed_errors(compact->host[i], buffer, &compact->info);
+        }
+    }
+    return SVO_OK;
+}
+
 static uint64_t count_bytes(const svo_compact_info *info)
 {
     uint64_t bytes = 0;
@@ -248,10 +292,11 @@ static svo_status load(svo_i_file_load *state, svo_compact **out)
                           state->source.name);
     }
     fill_info(&state->head.header, &counts, &compact->info);
-    svo_i_compact_count(&compact->info);
+    find_packed_bytes(state, &compact->info);
     SVO_I_TRY_CLEANUP(svo_i_file_limit(state, compact->info.stored_count, count_bytes(&compact->info)));
     SVO_I_TRY_CLEANUP(load_arrays(state, offset, compact));
     SVO_I_TRY_CLEANUP(svo_i_compact_check(compact, state->source.name, state->source.message));
+    SVO_I_TRY_CLEANUP(check_payload(state, compact));
     compact->downloaded = true;
     *out = compact;
     compact = NULL;

@@ -33,9 +33,12 @@
 
 /* Files of compact trees. The header has the same fields; its levels are those of the inner nodes. */
 #define FILE_COMPACT_MAGIC   "\x89SVC\r\n\x1a\n"
-#define FILE_COMPACT_VERSION 2
+#define FILE_COMPACT_VERSION 3 /* with packed payload; other files have the version before */
 #define FILE_COMPACT_OLDEST  1 /* version that is still read */
 #define FILE_COMPACT_EXACT   2 /* the first version whose voxels are those of the mesh as given */
+#define FILE_COMPACT_PACKED  3 /* the first version with packed payload */
+/* The bit of file_counts.packed that says that voxels are those of the mesh as it was rounded. */
+#define FILE_PACKED_ROUNDED 0x80000000u
 
 typedef struct file_header {
     uint8_t magic[FILE_MAGIC_BYTES];
@@ -90,7 +93,7 @@ typedef struct file_counts {
     uint32_t form;
     uint32_t minimized;
     uint32_t directory_step_log2;
-    uint32_t reserved;
+    uint32_t packed; /* svo_need bits, and FILE_PACKED_ROUNDED; 0 before version 3 */
     uint64_t stored_count;
     uint64_t far_count;
     uint64_t shared_count;

@@ -205,12 +205,18 @@ typedef struct picture {
 
 static const char *normal_defines(const svo_i_picture_source *source)
 {
-    return source->normals == NULL ? "" : source->one_normal ? " -DSVO_NORMAL -DSVO_ONE_NORMAL" : " -DSVO_NORMAL";
+    return source->normals == NULL  ? ""
+           : source->one_normal     ? " -DSVO_NORMAL -DSVO_ONE_NORMAL"
+           : source->packed_normals ? " -DSVO_NORMAL -DSVO_PACKED_NORMAL"
+                                    : " -DSVO_NORMAL";
 }
 
 static const char *color_defines(const svo_i_picture_source *source)
 {
-    return source->colors == NULL ? "" : source->one_color ? " -DSVO_COLOR -DSVO_ONE_COLOR" : " -DSVO_COLOR";
+    return source->colors == NULL  ? ""
+           : source->one_color     ? " -DSVO_COLOR -DSVO_ONE_COLOR"
+           : source->packed_colors ? " -DSVO_COLOR -DSVO_PACKED_COLOR"
+                                   : " -DSVO_COLOR";
 }
 
 /* Makes a kernel of a program. first: defines besides those of normals and form. */
@@ -244,7 +250,7 @@ static svo_status prepare_shaded(const svo_i_picture_source *source, picture *dr
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(source->colors), SVO_I_ARGUMENT(source->normals),
                                         SVO_I_ARGUMENT(drawn->params), SVO_I_ARGUMENT(drawn->pixels)};
     const bool tiles = source->device->cpu_path;
-    char defines[64];
+    char defines[96];
     (void)snprintf(defines, sizeof defines, "%s%s", tiles ? " -DSVO_CAST_TILES" : "", color_defines(source));
     SVO_I_TRY(make_kernel(source, &svo_i_program_cast, defines, "svo_k_cast", &drawn->tiles.kernel));
     drawn->tiles.items = tiles ? 1 : SVO_GROUP_ITEMS;

@@ -48,6 +48,7 @@ typedef struct svo_i_picture_source {
     cl_mem colors, normals; /* NULL: none */
     bool one_color, one_normal; /* the same in every node */
     uint32_t payload_level;
+    bool packed_colors, packed_normals; /* words of packed arrays (kernels/shared/packed.clh) */
 } svo_i_picture_source;
 
 /* What of svo_render_options the pictures of a kind of handle have. */

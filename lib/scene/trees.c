@@ -105,6 +105,12 @@ static svo_status check_compact(svo_device *device, const char *function, const 
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: compacts[%u] has no triangles for SVO_NEED_RAYS",
                                  function, index);
     }
+    const uint32_t packed = compact->info.packed & options->need & ((uint32_t)SVO_NEED_COLOR | SVO_NEED_NORMAL);
+    if (packed != 0) {
+        return svo_i_device_fail(device, SVO_UNSUPPORTED,
+                                 "%s: compacts[%u] has packed %s, and scenes read them unpacked", function, index,
+                                 (packed & SVO_NEED_COLOR) != 0 ? "colors" : "normals");
+    }
     /* The options select the kernels of the whole scene. */
     const svo_compact *first = options->compacts[0];
     return strcmp(svo_i_form_defines(&compact->info), svo_i_form_defines(&first->info)) == 0

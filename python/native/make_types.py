@@ -87,6 +87,7 @@ LEFT_OUT = {"struct_size", "reserved", "inner_nodes", "renderer", "stage_times"}
 # Kinds that neither the type nor the words of a field name.
 KINDS = {
     "constant": "Need",
+    "packed": "Need",
     "SceneInfo.need": "Need",
     "format": "str",
     "stage_ms": "dict[str, float]",
@@ -113,6 +114,7 @@ NAMES = {
     "svo_plan_get_left_out": "Plan.left_out",
     "svo_tree_arrays": "TreeArrays",
     "svo_compact_plan": "of a plan",
+    "svo_pack_options": "Compact.pack",
     "svo_sdf_create": "sdf",
     "svo_surface_create": "surface",
     "svo_light_create": "making it",

@@ -54,6 +54,25 @@ def test_the_arrays_are_those_of_the_form(shaded):
     assert masks.normals.tolist() == shaded.arrays.normals.tolist()
 
 
+def test_packed_payload(shaded):
+    with svocl.Compact(shaded, svocl.Form.SHARED) as compact, compact.pack(normal_bits=5) as packed:
+        assert packed.info.packed == svocl.Need.NORMAL and packed.info.normal_bits == 5 and compact.info.packed == 0
+        assert packed.info.total_bytes < compact.info.total_bytes
+        assert 0 < packed.info.mean_error[1] < packed.info.largest_error[1] < 3500
+        normals = packed.payload(svocl.CompactBuffer.NORMALS)
+        assert np.abs(normals.astype(int) - compact.arrays.normals).max() == packed.info.largest_error[1]
+        assert np.array_equal(packed.payload(svocl.CompactBuffer.NORMALS, 7, 3), normals[7:10])
+        assert packed.arrays.normals is None and list(packed.arrays.packed) == ["normals"]
+        assert packed.arrays.packed["normals"].nbytes == packed.info.bytes[svocl.CompactBuffer.NORMALS]
+        with packed.expand() as expanded:
+            camera = expanded.frame()
+            assert np.array_equal(packed.render(32, 24, camera), expanded.render(32, 24, camera=camera))
+        with pytest.raises(svocl.InvalidArgumentError, match="normal_bits 9"):
+            compact.pack(normal_bits=9)
+        with pytest.raises(ValueError, match="no payload"):
+            packed.payload(svocl.CompactBuffer.NODES)
+
+
 def test_options(shaded):
     with svocl.Compact(shaded, svocl.Form.IMPLIED, directory_step=16, leave_out=svocl.Need.NORMAL) as compact:
         assert compact.info.directory_step_log2 == 4 and compact.info.need == 0 and compact.arrays.normals is None

@@ -256,8 +256,8 @@ static void older_files_are_not_exact(void **state)
     assert_int_equal(svo_compact_hash(made, hashes[0]), SVO_OK);
     assert_int_equal(svo_compact_hash(loaded, hashes[1]), SVO_OK);
     assert_string_not_equal(hashes[0], hashes[1]);
-    for (uint8_t version = 0; version < 4; version = (uint8_t)(version + 3)) {
-        file.data[8] = version;
+    for (uint8_t version = 0; version < 5; version = version == 0 ? 3 : (uint8_t)(version + 1)) {
+        file.data[8] = version; /* version 3 has packed payload */
         assert_damaged(&file, "version", version);
     }
     free(file.data);
@@ -321,6 +321,115 @@ static void damaged_structure_is_noticed(void **state)
     }
 }
 
+/* ---- packed payload ---- */
+
+/* A tree whose colors and normals go up slowly, so that they become smaller. */
+static svo_compact *make_packed(const fixture *opened, uint32_t depth, svo_form form, uint32_t is_exact)
+{
+    const svo_pack_options options = {.struct_size = sizeof options, .color_error = 2};
+    uint64_t seed = 3 + depth;
+    svo_tree *tree = hand_tree(depth, random_mask, &seed, PAYLOAD, 0);
+    uint8_t *colors = tree->host[SVO_TREE_COLORS];
+    int16_t *normals = tree->host[SVO_TREE_NORMALS];
+    uint16_t *materials = tree->host[SVO_TREE_MATERIALS];
+    uint16_t *fills = tree->host[SVO_TREE_FILLS];
+    tree->info.is_exact = is_exact;
+    for (uint32_t i = 0; i < (uint32_t)tree->info.node_count; ++i) {
+        for (uint32_t c = 0; c < 4; ++c) {
+            colors[4 * i + c] = (uint8_t)(c == 3 ? 255 : i / 5 + 7 * (i & 3) * (c + 1));
+            normals[3 * i + (c < 3 ? c : 0)] = (int16_t)((i & 7) * 30);
+        }
+        materials[i] = (uint16_t)(i / 60);
+        fills[i] = (uint16_t)(i * 5 % 64);
+    }
+    svo_compact *plain = make_of(opened, tree, form);
+    svo_compact *made = NULL;
+    assert_int_equal(svo_compact_pack(plain, &options, opened->queue, &made), SVO_OK);
+    assert_int_equal(svo_compact_download(made, opened->queue), SVO_OK);
+    assert_int_equal(made->info.packed, PAYLOAD);
+    svo_compact_destroy(&plain);
+    svo_tree_destroy(&tree);
+    return made;
+}
+
+static void packed_payload_is_kept(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    for (uint32_t turn = 0; turn < 2 * SVO_FORM_COUNT; ++turn) {
+        svo_compact *made = make_packed(&opened, 5, (svo_form)(turn / 2), turn % 2);
+        bytes file = bytes_of(made, turn >= SVO_FORM_COUNT);
+        assert_int_equal(file.data[8], 3);
+        svo_compact *loaded = load_bytes(&file);
+        assert_same(made, loaded);
+        assert_int_equal(exactness_of(loaded), turn % 2);
+        assert_in_range(loaded->info.largest_error[0], 1, 2);
+        assert_int_equal(svo_compact_upload(loaded, opened.device, opened.queue), SVO_OK);
+        check_expanded(&opened, loaded, turn % 2);
+        free(file.data);
+        svo_compact_destroy(&loaded);
+        svo_compact_destroy(&made);
+    }
+}
+
+/* With good checksums: a file that is taken can be read from the first element to the last, and nothing that leads to
+   them is free. */
+static void damaged_packed_payload_is_noticed(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    svo_compact *made = make_packed(&opened, 5, SVO_FORM_IMPLIED, 1);
+    bytes file = bytes_of(made, false);
+    file_head head;
+    memcpy(&head, file.data, sizeof head);
+    size_t noticed = 0;
+    for (uint32_t i = 0; i < head.header.chunk_count; ++i) {
+        const size_t end = (size_t)head.chunks[i].plain_bytes * 8;
+        const bool packed = head.chunks[i].kind >= SVO_COMPACT_COLORS && head.chunks[i].kind < SVO_COMPACT_BUFFER_COUNT;
+        for (size_t bit = 0; packed && bit < end; bit += 5) {
+            uint8_t *at = file.data + head.chunks[i].offset + bit / 8;
+            svo_compact *loaded = NULL;
+            *at ^= (uint8_t)(1u << bit % 8);
+            repair(&file);
+            if (svo_compact_load(svo_from_memory(file.data, file.count, "cut"), NULL, &loaded, NULL) == SVO_OK) {
+                const svo_compact_buffer buffer = (svo_compact_buffer)head.chunks[i].kind;
+                uint8_t *elements = malloc((size_t)made->info.payload_count * 6);
+                assert_non_null(elements);
+                assert_int_equal(svo_compact_read_payload(loaded, buffer, 0, made->info.payload_count, elements),
+                                 SVO_OK);
+                free(elements);
+                svo_compact_destroy(&loaded);
+            } else {
+                assert_damaged(&file, "packed, bit", bit);
+                ++noticed;
+            }
+            *at ^= (uint8_t)(1u << bit % 8);
+        }
+        /* Where the first block's data begins. */
+        for (size_t bit = 0; packed && bit < 14; ++bit) {
+            uint32_t header = 0;
+            memcpy(&header, file.data + head.chunks[i].offset + 4 * 9, sizeof header);
+            uint8_t *at = file.data + head.chunks[i].offset + 4 * (size_t)header + bit / 8;
+            *at ^= (uint8_t)(1u << bit % 8);
+            repair(&file);
+            assert_damaged(&file, "header, bit", bit);
+            *at ^= (uint8_t)(1u << bit % 8);
+        }
+        /* The kind, both counts, the first entry of the directory: each bit. */
+        for (size_t bit = 0; packed && bit < 32; ++bit) {
+            static const size_t words[] = {0, 1, 7, 8, 9};
+            for (size_t k = 0; k < sizeof words / sizeof words[0]; ++k) {
+                uint8_t *at = file.data + head.chunks[i].offset + 4 * words[k] + bit / 8;
+                *at ^= (uint8_t)(1u << bit % 8);
+                repair(&file);
+                assert_damaged(&file, "head, bit", 32 * words[k] + bit);
+                *at ^= (uint8_t)(1u << bit % 8);
+            }
+        }
+    }
+    assert_in_range(noticed, 100, file.count * 8);
+    free(file.data);
+    svo_compact_destroy(&made);
+}
+
 /* ---- wrong calls ---- */
 
 static void wrong_arguments_are_refused(void **state)
@@ -382,6 +491,11 @@ static void write_seeds(void **state)
         assert_int_equal(svo_compact_save(made, svo_to_path(path), &options, NULL), SVO_OK);
         svo_compact_destroy(&made);
     }
+    svo_compact *packed = make_packed(&opened, 5, SVO_FORM_IMPLIED, 1);
+    char path[512];
+    (void)snprintf(path, sizeof path, "%s/blocks.svc", seed_folder);
+    assert_int_equal(svo_compact_save(packed, svo_to_path(path), NULL, NULL), SVO_OK);
+    svo_compact_destroy(&packed);
 }
 
 TEST_GROUP(compact_seeds)
@@ -392,9 +506,13 @@ TEST_GROUP(compact_seeds)
 
 TEST_GROUP(compact_file)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_saved_is_loaded),      cmocka_unit_test(exactness_is_kept),
-        cmocka_unit_test(older_files_are_not_exact),    cmocka_unit_test(every_cut_and_every_flipped_bit_is_noticed),
-        cmocka_unit_test(damaged_structure_is_noticed), cmocka_unit_test(wrong_arguments_are_refused)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_saved_is_loaded),
+                                       cmocka_unit_test(exactness_is_kept),
+                                       cmocka_unit_test(older_files_are_not_exact),
+                                       cmocka_unit_test(every_cut_and_every_flipped_bit_is_noticed),
+                                       cmocka_unit_test(damaged_structure_is_noticed),
+                                       cmocka_unit_test(packed_payload_is_kept),
+                                       cmocka_unit_test(damaged_packed_payload_is_noticed),
+                                       cmocka_unit_test(wrong_arguments_are_refused)};
     return cmocka_run_group_tests_name("compact_file", tests, fixture_folder_setup, fixture_folder_teardown);
 }

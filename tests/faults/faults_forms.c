@@ -40,6 +40,21 @@ cleanup:
     return status;
 }
 
+/* Packs the payload of what is on a device, and what that gives in its place. */
+static svo_status pack_compact(subject *of, svo_compact **compact)
+{
+    const svo_pack_options asked = {.struct_size = sizeof asked, .color_error = 3, .normal_bits = 6};
+    svo_compact *packed = NULL;
+    char hash[SVO_HASH_TEXT_BYTES];
+    TRY_TOLD(svo_compact_pack(*compact, &asked, world.queue, &packed));
+    svo_compact_destroy(compact);
+    *compact = packed;
+    TRY_TOLD(svo_compact_download(packed, world.queue));
+    TRY_TOLD(svo_compact_hash(packed, hash));
+    digest(of, hash, sizeof hash);
+    return SVO_OK;
+}
+
 static svo_status run_compact(subject *of)
 {
     svo_status status = SVO_OK;
@@ -49,6 +64,8 @@ static svo_status run_compact(subject *of)
         SVO_I_TRY_CLEANUP(make_compact(of, (svo_form)form, &compact));
         SVO_I_TRY_CLEANUP(told(of, world.device, svo_compact_hash(compact, hash)));
         digest(of, hash, sizeof hash);
+        SVO_I_TRY_CLEANUP(expand_compact(of, compact));
+        SVO_I_TRY_CLEANUP(pack_compact(of, &compact));
         SVO_I_TRY_CLEANUP(expand_compact(of, compact));
         svo_compact_destroy(&compact);
     }
@@ -96,6 +113,9 @@ static svo_status save_and_load(subject *of, svo_form form, const svo_save_optio
     svo_compact *made = NULL;
     svo_compact *loaded = NULL;
     SVO_I_TRY_CLEANUP(make_compact(of, form, &made));
+    if (form == SVO_FORM_IMPLIED) {
+        SVO_I_TRY_CLEANUP(pack_compact(of, &made));
+    }
     SVO_I_TRY_CLEANUP(svo_compact_save(made, svo_to_path(world.compact_path), options, &of->message));
     SVO_I_TRY_CLEANUP(svo_compact_load(svo_from_path(world.compact_path), NULL, &loaded, &of->message));
     SVO_I_TRY_CLEANUP(svo_compact_hash(loaded, hash));

@@ -149,6 +149,19 @@ static void walk_records(walk *w)
     free(known);
 }
 
+/* Every element of every payload array, packed or not. */
+static void read_payload(const svo_compact *compact, const svo_compact_info *info)
+{
+    static uint8_t elements[6 * 256];
+    for (int k = 0; k < SVO_PAYLOAD_COUNT; ++k) {
+        const svo_compact_buffer buffer = (svo_compact_buffer)(SVO_COMPACT_COLORS + k);
+        for (uint64_t first = 0; info->bytes[buffer] > 0 && first < info->payload_count; first += 256) {
+            const uint64_t left = info->payload_count - first;
+            REQUIRE(svo_compact_read_payload(compact, buffer, first, left < 256 ? left : 256, elements) == SVO_OK);
+        }
+    }
+}
+
 static void check_refusal(svo_status status, const svo_compact *compact, const svo_message *message)
 {
     REQUIRE(status == SVO_FILE_DAMAGED || status == SVO_OUT_OF_HOST_MEMORY);
@@ -181,6 +194,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t byte_count)
         walk_words(&w, 0, 0);
     }
     REQUIRE(w.inner_count == w.info.inner_count && w.leaf_count == w.info.leaf_count);
+    read_payload(compact, &w.info);
     REQUIRE(svo_compact_hash(compact, hash) == SVO_OK && strlen(hash) == SVO_HASH_TEXT_BYTES - 1);
     svo_compact_destroy(&compact);
     REQUIRE(compact == NULL);

@@ -456,10 +456,13 @@ static void compact_all(const fixture *opened, svo_tree *tree)
         uint8_t picture[8 * 8 * 4];
         svo_render_options shown = {.struct_size = sizeof shown, .width = 8, .height = 8};
         svo_voxel_hit hit;
+        svo_compact *plain = NULL;
         svo_compact *compact = NULL;
         svo_tree *expanded = NULL;
         (void)svo_camera_fit(svo_tree_target(tree), 1.0F, &shown.camera);
-        succeed(opened, svo_compact_create(opened->device, tree, &options, opened->queue, &compact));
+        succeed(opened, svo_compact_create(opened->device, tree, &options, opened->queue, &plain));
+        succeed(opened, svo_compact_pack(plain, NULL, opened->queue, &compact));
+        svo_compact_destroy(&plain);
         succeed(opened, svo_compact_expand(compact, opened->queue, &expanded));
         succeed(opened, svo_trace_voxels(svo_compact_target(compact), svo_in_host(&ray), svo_in_host(&hit), 1, 0.0F, 0,
                                          &(svo_submit){.queue = opened->queue}));

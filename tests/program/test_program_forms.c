@@ -162,6 +162,27 @@ static void parts_are_stitched_to_a_form(void **state)
     run_well("rm m.ply a.svc b.svc");
 }
 
+/* Exactly packed payload gives the same tree and the same picture; another way to pack it begins with what was kept. */
+static void payload_is_packed(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL build scene:knot:2000 -d 6 --tree-form shared -o a.svc -q");
+    run_well("$SVOCL convert a.svc b.svc --tree-form shared --color-error 0 -q");
+    run_well("test \"$($SVOCL hash a.svc -q)\" = \"$($SVOCL hash b.svc -q)\"");
+    run_well("test $(wc -c < b.svc) -lt $(wc -c < a.svc)");
+    run_well("$SVOCL info b.svc > out.txt && grep -q 'error at most 0, 0 in the mean' out.txt");
+    run_well("$SVOCL render a.svc --size 32x24 -o a.png -q && $SVOCL render b.svc --size 32x24 -o b.png -q");
+    run_well("cmp a.png b.png");
+    run_well("$SVOCL convert b.svc c.svc --tree-form shared --color-error 9 --normal-bits 5 -q");
+    run_well("test $(wc -c < c.svc) -lt $(wc -c < b.svc)");
+    run_badly("$SVOCL build scene:cube -d 3 --color-error 3", 2, "--color-error requires --tree-form");
+    run_badly("$SVOCL build scene:cube -d 3 --normal-bits 6", 2, "--normal-bits requires --tree-form");
+    run_badly("$SVOCL export-web b.svc --tree-form implied --color-error 3 -o p.html", 2,
+              "pages hold payload unpacked");
+    run_well("$SVOCL export-web b.svc -o p.html -q && rm a.svc b.svc c.svc a.png b.png out.txt p.html");
+}
+
 /* ---- scenes ---- */
 
 #define PLACED "\"instances\": [{\"tree\": \"a\"}, {\"tree\": \"b\", \"translate\": [9, 0, 0]}]"
@@ -249,6 +270,7 @@ TEST_GROUP(program_forms)
         IN_FOLDER_ANY_KERNELS(meshes_and_voxels_are_converted_in_one_step),
         IN_FOLDER_ANY_KERNELS(pages_take_the_form_they_hold),
         IN_FOLDER_ANY_KERNELS(parts_are_stitched_to_a_form),
+        IN_FOLDER_ANY_KERNELS(payload_is_packed),
         IN_FOLDER(scenes_take_voxels_and_forms),
         IN_FOLDER(what_no_form_has_is_refused_before_any_work),
     };

@@ -159,6 +159,9 @@ typedef struct options {
     int tree_form; /* 0: as built, else 1 + svo_form; verify: or OPTION_FORM_ALL */
     int directory_step_log2; /* of the implied form; 0: not given */
     uint64_t minimize; /* compact trees: a flag */
+    uint64_t color_error; /* of packed payload */
+    bool has_color_error; /* given, whatever it is */
+    int normal_bits; /* of packed payload; 0: not given */
     int meets; /* trace: 0 not given, else OPTION_MEETS_* */
     int solid; /* build, verify: 0 not given, else 1 + svo_solid_rule */
     uint64_t nodes; /* hash: nodes only */

@@ -85,6 +85,7 @@ static const choice checked_forms[] = {{"descriptor", 1 + SVO_FORM_DESCRIPTOR},
                                        {"shared", 1 + SVO_FORM_SHARED},
                                        {"all", OPTION_FORM_ALL},
                                        {NULL, 0}};
+static const choice normal_bits[] = {{"4", 4}, {"5", 5}, {"6", 6}, {"7", 7}, {"8", 8}, {NULL, 0}};
 static const choice directory_steps[] = {{"16", 4}, {"32", 5}, {"64", 6}, {NULL, 0}};
 static const choice axes_of_files[] = {
     {"auto", SVO_AXES_AUTO}, {"keep", SVO_AXES_KEEP}, {"z-up", SVO_AXES_Z_UP}, {NULL, 0}};
@@ -399,6 +400,12 @@ static int read_light(program *state, const rule *option, const char *value)
     return read_choice(state, option, value);
 }
 
+static int read_color_error(program *state, const rule *option, const char *value)
+{
+    state->options.has_color_error = true;
+    return read_count(state, option, value);
+}
+
 static int read_repeat(program *state, const rule *option, const char *value)
 {
     state->options.has_repeat = true;
@@ -684,6 +691,10 @@ static const rule rules[] = {
      "with --tree-form: eight leaves of one payload become a leaf"},
     {"directory-step", '\0', OPTION_TREE_FORM, "N", read_choice, FIELD(directory_step_log2), 0, 0, directory_steps,
      "with --tree-form implied: nodes for which its directory has an entry, 16, 32 or 64 (32; export-web: 16)"},
+    {"color-error", '\0', OPTION_TREE_FORM, "E", read_color_error, FIELD(color_error), 0, 255, NULL,
+     "with --tree-form: payload is packed; red, green and blue may change by so much, 0 .. 255; 0: exact"},
+    {"normal-bits", '\0', OPTION_TREE_FORM, "N", read_choice, FIELD(normal_bits), 0, 0, normal_bits,
+     "with --tree-form: payload is packed; normals are octahedral with 2 N bits, N 4 .. 8 (exact)"},
     {"merge", '\0', OPTION_CONVERT_COMMAND, NULL, read_flag, FIELD(merge), 0, 0, NULL,
      "OUT .ply or .obj: the surface as rectangles, faces of one color merged; a mesh that can be read back"},
     {"nodes", '\0', OPTION_HASH_COMMAND, NULL, read_flag, FIELD(nodes), 0, 0, NULL,

@@ -12,6 +12,7 @@
 #include "support/scene_motion.h"
 #include "support/scene_place.h"
 #include "support/suggest.h"
+#include "support/tree_form.h"
 
 #define PI 3.14159265358979323846
 
@@ -66,6 +67,10 @@ static int read_scene_form(const json_source *source, scene_file *file)
 static int unite_forms(const json_source *source, scene_file *file)
 {
     const int asked = source->state->options.tree_form;
+    const char *packing = tree_form_packing(&source->state->options);
+    if (packing != NULL) {
+        return program_fail(source->state, PROGRAM_WRONG_USAGE, "--%s: scenes hold payload unpacked", packing);
+    }
     for (size_t i = 0; i < file->tree_count; ++i) {
         const scene_file_tree *tree = &file->trees[i];
         if (asked == 0 && tree->form != file->trees[0].form) {

@@ -25,13 +25,50 @@ bool tree_form_fits(const svo_compact *compact, const svo_compact_options *asked
            info.directory_step_log2 == asked->directory_step_log2;
 }
 
+bool tree_form_is_plain(const svo_compact *compact)
+{
+    svo_compact_info info = SVO_COMPACT_INFO_INIT;
+    return svo_compact_get_info(compact, &info) == SVO_OK && info.packed == 0;
+}
+
+/* ---- packing ---- */
+
+const char *tree_form_packing(const options *given)
+{
+    return given->has_color_error ? "color-error" : given->normal_bits != 0 ? "normal-bits" : NULL;
+}
+
+bool tree_form_keeps(const program *state, const svo_compact *compact)
+{
+    const svo_compact_options asked = tree_form_options(&state->options);
+    return tree_form_fits(compact, &asked) &&
+           (tree_form_packing(&state->options) == NULL || tree_form_is_plain(compact));
+}
+
+int tree_form_pack(program *state, const session *opened, svo_compact **compact)
+{
+    svo_compact *packed = NULL;
+    const svo_pack_options asked = {.struct_size = sizeof asked,
+                                    .color_error = (uint32_t)state->options.color_error,
+                                    .normal_bits = (uint32_t)state->options.normal_bits};
+    if (tree_form_packing(&state->options) == NULL) {
+        return PROGRAM_DONE;
+    }
+    if (svo_compact_pack(*compact, &asked, opened->queue, &packed) != SVO_OK) {
+        return program_fail_library(state, svo_device_message(opened->device));
+    }
+    svo_compact_destroy(compact);
+    *compact = packed;
+    return PROGRAM_DONE;
+}
+
 /* ---- making ---- */
 
 static int make(program *state, const session *opened, const svo_tree *tree, svo_compact **out)
 {
     const svo_compact_options asked = tree_form_options(&state->options);
     return svo_compact_create(opened->device, tree, &asked, opened->queue, out) == SVO_OK
-               ? PROGRAM_DONE
+               ? tree_form_pack(state, opened, out)
                : program_fail_library(state, svo_device_message(opened->device));
 }
 
@@ -43,11 +80,10 @@ int tree_form_make(program *state, const session *opened, const svo_tree *tree, 
 
 int tree_form_change(program *state, const session *opened, svo_compact **compact)
 {
-    const svo_compact_options asked = tree_form_options(&state->options);
     svo_tree *tree = NULL;
     progress_step(state->progress, "making the compact tree");
-    if (tree_form_fits(*compact, &asked)) {
-        return PROGRAM_DONE;
+    if (tree_form_keeps(state, *compact)) {
+        return tree_form_pack(state, opened, compact);
     }
     if (svo_compact_expand(*compact, opened->queue, &tree) != SVO_OK) {
         return program_fail_library(state, svo_device_message(opened->device));
@@ -114,6 +150,31 @@ int tree_form_take(program *state, job *done, svo_compact **out)
 
 /* ---- what it is ---- */
 
+/* A kind of payload: its array's name, and its bit. */
+typedef struct payload_kind {
+    const char *name;
+    uint32_t need;
+} payload_kind;
+
+static const payload_kind *payload_of(int k)
+{
+    static const payload_kind kinds[SVO_PAYLOAD_COUNT] = {{"colors", SVO_NEED_COLOR},
+                                                          {"normals", SVO_NEED_NORMAL},
+                                                          {"materials", SVO_NEED_MATERIAL},
+                                                          {"fills", SVO_NEED_FILL}};
+    return &kinds[k];
+}
+
+static bool is_packed(const svo_compact_info *info, int k)
+{
+    return (info->packed & payload_of(k)->need) != 0;
+}
+
+static double bits_per_leaf(const svo_compact_info *info, uint64_t bytes)
+{
+    return info->leaf_count > 0 ? 8.0 * (double)bytes / (double)info->leaf_count : 0.0;
+}
+
 void tree_form_add_rows(struct table *rows, const svo_compact *compact)
 {
     svo_compact_info info = SVO_COMPACT_INFO_INIT;
@@ -123,6 +184,24 @@ void tree_form_add_rows(struct table *rows, const svo_compact *compact)
     table_cell(rows, "compact");
     table_cell(rows, "%s leaves, %s inner nodes, %s", figure_count(info.leaf_count).text,
                figure_count(info.inner_count).text, figure_bytes(info.total_bytes).text);
+    for (int k = 0; k < SVO_PAYLOAD_COUNT; ++k) {
+        const uint64_t bytes = info.bytes[SVO_COMPACT_COLORS + k];
+        if (is_packed(&info, k)) {
+            table_cell(rows, "packed %s", payload_of(k)->name);
+            table_cell(rows, "%s, %.3g bit per leaf, error at most %u, %.3g in the mean", figure_bytes(bytes).text,
+                       bits_per_leaf(&info, bytes), info.largest_error[k], info.mean_error[k]);
+        }
+    }
+}
+
+static void add_packed_json(cJSON *compact, const svo_compact_info *info, int k)
+{
+    const uint64_t bytes = info->bytes[SVO_COMPACT_COLORS + k];
+    cJSON *object = cJSON_AddObjectToObject(compact, payload_of(k)->name);
+    json_add_count(object, "bytes", bytes);
+    cJSON_AddNumberToObject(object, "bits_per_leaf", bits_per_leaf(info, bytes));
+    json_add_count(object, "largest_error", info->largest_error[k]);
+    cJSON_AddNumberToObject(object, "mean_error", info->mean_error[k]);
 }
 
 void tree_form_add_json(cJSON *document, const svo_compact *compact)
@@ -140,6 +219,11 @@ void tree_form_add_json(cJSON *document, const svo_compact *compact)
     json_add_count(object, "stored", info.stored_count);
     json_add_count(object, "payload", info.payload_count);
     json_add_count(object, "bytes", info.total_bytes);
+    for (int k = 0; k < SVO_PAYLOAD_COUNT; ++k) {
+        if (is_packed(&info, k)) {
+            add_packed_json(object, &info, k);
+        }
+    }
     if (svo_compact_hash(compact, hash) == SVO_OK) {
         json_add_text(object, "hash", hash);
     }

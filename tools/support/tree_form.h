@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Compact trees by --tree-form, --minimize and --directory-step: made from trees, or as they are in a .svc file. */
+/* Compact trees by --tree-form, --minimize, --directory-step, --color-error and --normal-bits: made from trees, or as
+   they are in a .svc file. */
 #ifndef SVOCL_TOOLS_SUPPORT_TREE_FORM_H
 #define SVOCL_TOOLS_SUPPORT_TREE_FORM_H
 
@@ -17,6 +18,18 @@ svo_compact_options tree_form_options(const options *given);
 
 /* Whether a compact tree is what is asked for, so that it is taken as it is. */
 bool tree_form_fits(const svo_compact *compact, const svo_compact_options *asked);
+
+/* Whether it can stay where other payload than packed is wanted, or packed in another way. */
+bool tree_form_is_plain(const svo_compact *compact);
+
+/* The option that asks for packed payload, without dashes; NULL: none. */
+const char *tree_form_packing(const options *given);
+
+/* Puts one with packed payload in its place where --color-error or --normal-bits ask for it. Returns the exit code. */
+int tree_form_pack(program *state, const session *opened, svo_compact **compact);
+
+/* Whether a compact tree of a file is all that the options ask for, or can become it by tree_form_pack. */
+bool tree_form_keeps(const program *state, const svo_compact *compact);
 
 /* Makes what the options ask for of a tree, on the device; a step of the progress bar. Returns the exit code. */
 int tree_form_make(program *state, const session *opened, const svo_tree *tree, svo_compact **out);

@@ -176,12 +176,14 @@ static svo_compact *compact_of(const conversion *done)
 static int make_compact(program *state, conversion *done)
 {
     const session *opened = &done->made.opened;
-    const svo_compact_options asked = tree_form_options(&state->options);
     int exit_code = PROGRAM_DONE;
     if (done->from == FROM_TREE && input_is_compact(state)) {
         exit_code = input_load_compact(state, &done->compact);
-        if (exit_code != PROGRAM_DONE || tree_form_fits(done->compact, &asked)) {
+        if (exit_code != PROGRAM_DONE) {
             return exit_code;
+        }
+        if (tree_form_keeps(state, done->compact)) {
+            return tree_form_pack(state, opened, &done->compact);
         }
         svo_compact_destroy(&done->compact);
     }

@@ -64,7 +64,7 @@ static int load_compact(program *state, web_export *made, bool lights)
     const svo_compact_options wanted = {.form = SVO_FORM_IMPLIED,
                                         .directory_step_log2 = WEB_DIRECTORY_STEP_LOG2,
                                         .minimize = (uint32_t)state->options.minimize};
-    if (!lights && tree_form_fits(made->compact, &wanted)) {
+    if (!lights && tree_form_fits(made->compact, &wanted) && tree_form_is_plain(made->compact)) {
         program_begin_progress(state, 2);
         return PROGRAM_DONE;
     }
@@ -145,6 +145,9 @@ static int check_form(program *state)
     if (given->tree_form != 0 && given->tree_form != 1 + SVO_FORM_IMPLIED) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--tree-form %s: pages hold trees in form implied alone",
                             svo_name(SVO_NAME_FORM, (svo_form)(given->tree_form - 1)));
+    }
+    if (tree_form_packing(given) != NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s: pages hold payload unpacked", tree_form_packing(given));
     }
     return given->directory_step_log2 == 0 || given->directory_step_log2 == (int)WEB_DIRECTORY_STEP_LOG2
                ? PROGRAM_DONE

@@ -23,6 +23,12 @@ if TYPE_CHECKING:
     from ._device import Device
 
 _DIRECTORY_STEPS = {16: 4, 32: 5, 64: 6}
+_PAYLOAD: dict[CompactBuffer, tuple[str, Any, tuple[int, ...]]] = {
+    CompactBuffer.COLORS: ("colors", np.uint8, (4,)),
+    CompactBuffer.NORMALS: ("normals", np.int16, (3,)),
+    CompactBuffer.MATERIALS: ("materials", np.uint16, ()),
+    CompactBuffer.FILLS: ("fills", np.uint16, ()),
+}
 
 
 class CompactArrays(NamedTuple):
@@ -43,6 +49,8 @@ class CompactArrays(NamedTuple):
     """(payload_count,): into the mesh's materials."""
     fills: Optional[npt.NDArray[np.uint16]]
     """(payload_count,): surface area inside, 4096 = a face of the node."""
+    packed: dict[str, npt.NDArray[np.uint32]]
+    """The words of packed arrays by name, "colors" to "fills", which are None above; Compact.payload reads them."""
 
 
 class Compact(Resident):
@@ -165,7 +173,12 @@ class Compact(Resident):
             for byte_count, (name, (dtype, row)) in zip(info.bytes, kinds.items()):
                 rows = byte_count // (np.dtype(dtype).itemsize * int(np.prod(row, dtype=int)))
                 arrays[name] = view(self._native, getattr(struct, name), dtype, (rows, *row))
-            return CompactArrays(**arrays)
+            packed: dict[str, Any] = {}
+            for index, (buffer, (name, _dtype, _row)) in enumerate(_PAYLOAD.items()):
+                words = view(self._native, struct.packed[index], np.uint32, (info.bytes[buffer] // 4,))
+                if words is not None:
+                    packed[name] = words
+            return CompactArrays(**arrays, packed=packed)
 
     @property
     def arrays(self) -> CompactArrays:
@@ -180,6 +193,73 @@ class Compact(Resident):
             if status != lib.SVO_OK:
                 raise error(status, self._native.device_message())
         return text(digits)
+
+    def pack(
+        self,
+        *,
+        color_error: int = 0,
+        normal_bits: int = 0,
+        fill_error: int = 0,
+        leave_out: Need = Need(0),
+        queue: Any = None,
+    ) -> "Compact":
+        """One with packed payload, made on the host: pictures and expand read it where it is. Arrays that are constant,
+        packed already, or would not get smaller are those of this one. Its info.packed, bytes, largest_error and
+        mean_error tell what that gave.
+
+        Args:
+            color_error: most that red, green and blue may change, 0 .. 255; alpha never changes.
+            normal_bits: 0: exact; 4 .. 8: octahedral, with so many bits for each of two numbers.
+            fill_error: most that fills may change, 0 .. 65535.
+            leave_out: payload that stays as it is.
+            queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
+
+        Raises:
+            InvalidArgumentError: an option out of range.
+        """
+        options = _structs.new("svo_pack_options")
+        options.color_error = _arrays.integer("color_error", color_error)
+        options.normal_bits = _arrays.integer("normal_bits", normal_bits)
+        options.fill_error = _arrays.integer("fill_error", fill_error)
+        options.leave_out = _arrays.integer("leave_out", leave_out)
+        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        out = ffi.new("svo_compact **")
+        with self._use() as pointer:
+            native = self._native.parent
+            status = call(lib.svo_compact_pack, pointer, options, cl_queue, out, undo=lambda: _undo(out))
+            if status != lib.SVO_OK:
+                raise error(status, self._native.device_message())
+            made = Compact.__new__(Compact)
+            made._adopt(out[0], native)
+        return made
+
+    def payload(self, buffer: CompactBuffer, first: int = 0, count: Optional[int] = None) -> npt.NDArray[Any]:
+        """Payload on the host, packed or not, downloading first if need be; constant payload once for each element.
+
+        Args:
+            buffer: COLORS, NORMALS, MATERIALS or FILLS, which it holds.
+            first: the place of the first element.
+            count: how many; None: all that follow.
+
+        Returns:
+            (count, 4) uint8, (count, 3) int16, or (count,) uint16.
+
+        Raises:
+            InvalidArgumentError: the array is not held, or has not so many elements.
+        """
+        kind = CompactBuffer(buffer)
+        if kind not in _PAYLOAD:
+            raise ValueError(f"buffer: {kind.name} is no payload")
+        _name, dtype, row = _PAYLOAD[kind]
+        begin = _arrays.integer("first", first, 64)
+        rest = max(self.info.payload_count - begin, 0) if count is None else _arrays.integer("count", count, 64)
+        elements = np.empty((rest, *row), dtype)
+        with self._downloaded(None) as pointer:
+            to = ffi.from_buffer(elements) if rest > 0 else ffi.NULL
+            status = call(lib.svo_compact_read_payload, pointer, kind, begin, rest, to)
+            if status != lib.SVO_OK:
+                raise error(status, self._native.device_message())
+        return elements
 
     def expand(self, *, queue: Any = None) -> Tree:
         """A tree with the same voxels, without leaf lists: of the same Tree.hash(nodes_only=True) as the one that this
