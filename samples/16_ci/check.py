@@ -15,6 +15,8 @@ import tempfile
 
 HERE = pathlib.Path(__file__).parent
 FILES = ("part.obj", "part.svo")
+FAST = {"POCL_EXTRA_BUILD_FLAGS": "-cl-opt-disable"}
+"""The hashes are the same, and kernels compile in a third of the time."""
 try:
     import yaml
 except ImportError:
@@ -75,6 +77,7 @@ class GitLab:
 def check(service, program, work, cache):
     name = type(service).__name__
     base = {key: value for key, value in os.environ.items() if not key.startswith(("POCL_", "XDG_", "SVOCL_"))}
+    base.update(FAST)
     base["PATH"] = f"{program.parent}:{base['PATH']}"
     for key in service.cache_keys:
         assert service.variables["POCL_KERNELLIB_NAME"] in key, f"{name}: {key} does not say the instruction set"
@@ -110,7 +113,7 @@ def main():
         for service in (GitHub(), GitLab()):
             check(service, program, pathlib.Path(work), cache)
         saved = {path.name for path in (cache / "svocl").iterdir()}
-        environment = {**os.environ, "XDG_CACHE_HOME": str(cache), "POCL_KERNELLIB_NAME": "avx2"}
+        environment = {**os.environ, **FAST, "XDG_CACHE_HOME": str(cache), "POCL_KERNELLIB_NAME": "avx2"}
         run(f"'{program}' kernels part.obj -d 5 -q", HERE, environment)
         assert saved == {path.name for path in (cache / "svocl").iterdir()}, "the cache does not serve the next run"
     print("both workflows pass with the mesh as it is, and name what differs in another")
