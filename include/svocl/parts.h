@@ -406,8 +406,7 @@ SVO_API svo_status svo_parts_shares_begin(const svo_parts *parts, unsigned count
  * \param message receives the reason for a failure; NULL allowed
  * \returns SVO_UNAVAILABLE (the shares have not been begun, or are finished, or a part is another file than it was),
  *          and what svo_parts_shares_begin returns. */
-SVO_API svo_status svo_parts_shares_write(const svo_parts *parts, unsigned index, unsigned count,
-                                          svo_message *message);
+SVO_API svo_status svo_parts_shares_write(const svo_parts *parts, unsigned index, unsigned count, svo_message *message);
 
 /** Completes the file and gives it its name, which must be on the file system of the folder.
  *

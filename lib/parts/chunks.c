@@ -185,9 +185,9 @@ static void pass_over(const svo_i_stitcher *s, uint32_t level, const svo_i_piece
     for (uint32_t i = 0; i < s->filling_count; ++i) {
         svo_i_filling *to = &s->fillings[i];
         if (has_elements(s, to, level, piece != NULL)) {
-            to->chunk->plain_bytes +=
-                piece != NULL ? segment_bytes(piece, (uint32_t)to->entry.buffer, to->entry.level - level)
-                              : svo_i_tree_element_bytes(to->entry.buffer);
+            to->chunk->plain_bytes += piece != NULL
+                                          ? segment_bytes(piece, (uint32_t)to->entry.buffer, to->entry.level - level)
+                                          : svo_i_tree_element_bytes(to->entry.buffer);
             to->next += piece != NULL && to->entry.buffer == SVO_TREE_LIST_BEGIN ? piece->list_count : 0;
         }
     }

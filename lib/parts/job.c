@@ -575,8 +575,8 @@ svo_status svo_parts_finish(const svo_parts *parts, const char *path, svo_messag
     }
     svo_status status = svo_i_parts_gather(parts, &files, message);
     if (status == SVO_OK) {
-        status = svo_parts_stitch(&parts->header, (const char *const *)files.paths, files.count, files.mesh, path,
-                                  message);
+        status =
+            svo_parts_stitch(&parts->header, (const char *const *)files.paths, files.count, files.mesh, path, message);
     }
     svo_i_part_files_free(&files);
     return svo_i_parts_tell_cause(parts, status, message);

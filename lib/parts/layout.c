@@ -231,10 +231,9 @@ svo_status svo_i_layout_save(const svo_parts *parts, const svo_i_stitcher *s, co
         error = svo_i_output_commit_unflushed(&output);
     }
     svo_i_output_abandon(&output);
-    const svo_status status =
-        error == 0 ? SVO_OK
-                   : svo_i_fail(s->message, svo_i_file_status(error), "%s: cannot be written: %s", path,
-                                strerror(error));
+    const svo_status status = error == 0 ? SVO_OK
+                                         : svo_i_fail(s->message, svo_i_file_status(error), "%s: cannot be written: %s",
+                                                      path, strerror(error));
     svo_i_free(head);
     svo_i_free(path);
     return status;
@@ -255,9 +254,9 @@ static bool is_whole(const svo_parts *parts, const layout_head *head, size_t byt
     }
     const layout_piece *pieces = (const layout_piece *)(head + 1);
     const uint32_t depth = parts->header.depth;
-    bool whole = byte_count == sizeof *head + head->piece_count * sizeof *pieces +
-                                   head->upper_count * sizeof(layout_upper) &&
-                 head->upper_begin[depth] == head->upper_count;
+    bool whole =
+        byte_count == sizeof *head + head->piece_count * sizeof *pieces + head->upper_count * sizeof(layout_upper) &&
+        head->upper_begin[depth] == head->upper_count;
     for (uint32_t level = 0; level < depth; ++level) {
         whole = whole && head->upper_begin[level] <= head->upper_begin[level + 1];
     }
@@ -290,9 +289,9 @@ bool svo_i_layout_is_there(const svo_parts *parts, const svo_i_stitcher *s, svo_
     const size_t begin = offsetof(layout_head, version);
     layout_head *own = make_bytes(parts, s, layout);
     layout_head *found = read_layout(parts, layout->share_count);
-    const bool is_same = own != NULL && found != NULL && own->layout_bytes == found->layout_bytes &&
-                         memcmp((const char *)own + begin, (const char *)found + begin,
-                                (size_t)own->layout_bytes - begin) == 0;
+    const bool is_same =
+        own != NULL && found != NULL && own->layout_bytes == found->layout_bytes &&
+        memcmp((const char *)own + begin, (const char *)found + begin, (size_t)own->layout_bytes - begin) == 0;
     if (is_same) {
         memcpy(layout->token, found->token, sizeof layout->token);
     }

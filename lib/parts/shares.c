@@ -118,8 +118,7 @@ static bool has_file(sharing *h)
     struct stat found;
     svo_i_free(h->path);
     h->path = path_of_file(h);
-    return h->path != NULL && stat(h->path, &found) == 0 &&
-           (uint64_t)found.st_size == h->s.head.header.file_bytes;
+    return h->path != NULL && stat(h->path, &found) == 0 && (uint64_t)found.st_size == h->s.head.header.file_bytes;
 }
 
 /* Makes the file with a new token. Its bytes are holes until they are written. */
@@ -258,8 +257,9 @@ static svo_status write_receipt(const sharing *h, uint32_t share)
 
 static svo_status fail_finished(const sharing *h)
 {
-    return svo_i_fail(h->message, SVO_UNAVAILABLE, "%s: its %" PRIu32 " shares were finished meanwhile; begin them again",
-                      h->parts->folder, h->layout.share_count);
+    return svo_i_fail(h->message, SVO_UNAVAILABLE,
+                      "%s: its %" PRIu32 " shares were finished meanwhile; begin them again", h->parts->folder,
+                      h->layout.share_count);
 }
 
 /* Opens the file for writing. It is never made here: one that is gone has got its name. */

@@ -687,14 +687,8 @@ static void test_all_of_them(void **state)
 
 static void test_two_stitch_by_shares(void **state)
 {
-    static const scenario of = {"a planner, and two that stitch by shares",
-                                {SHARES, PLANS_B, SHARES},
-                                3,
-                                1,
-                                true,
-                                true,
-                                false,
-                                true};
+    static const scenario of = {
+        "a planner, and two that stitch by shares", {SHARES, PLANS_B, SHARES}, 3, 1, true, true, false, true};
     search(state, &of);
 }
 

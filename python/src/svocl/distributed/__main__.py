@@ -218,9 +218,7 @@ def finish(options: argparse.Namespace, parts: svocl.Parts, client: Any, report:
         raise Interrupted(f"{problem}; the same command builds it") from problem
 
 
-def build(
-    options: argparse.Namespace, parts: svocl.Parts, client: Any, report: "Report", steps: "Steps"
-) -> Summary:
+def build(options: argparse.Namespace, parts: svocl.Parts, client: Any, report: "Report", steps: "Steps") -> Summary:
     return build_parts(
         client,
         parts,
