@@ -376,6 +376,8 @@ def test_the_model_of_a_job():
     assert model.estimate(steps, 1000, bandwidth=1 << 26).steps == {"plan 2": 16.25, "build": 16.0}
     cpu = model.read_steps({"tasks": times, "bytes": {}}, cpu=True)
     assert model.estimate(cpu, 64).steps["plan 2"] == 0.6
+    opened = {"build": [[2.0, 2.0]] * 7, "first build": [[5.0, 5.0]]}
+    assert model.estimate(model.read_steps({"tasks": opened, "bytes": {}}), 4).seconds == 7  # each opens its device
 
 
 def test_what_workers_cannot_plan_is_planned_here(pool, device, ply_file, tmp_path):

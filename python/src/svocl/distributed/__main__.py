@@ -192,7 +192,7 @@ def shares_of(options: argparse.Namespace, parts: svocl.Parts, client: Any) -> i
     if options.no_shared_folder or not is_beside:
         return 1
     threads = sum(client.ncores().values())
-    return options.shares or max(1, min(bytes_of_parts(parts) // SHARE_BYTES, 2 * threads))
+    return int(options.shares or max(1, min(bytes_of_parts(parts) // SHARE_BYTES, 2 * threads)))
 
 
 def finish(options: argparse.Namespace, parts: svocl.Parts, client: Any, report: "Report", steps: "Steps") -> None:

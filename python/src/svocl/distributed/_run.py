@@ -67,7 +67,7 @@ def build_parts(
         patience: seconds in which no part arrives, after which the job ends.
         report: called with the number of parts that are there, the number of all, and a line about what happened,
             or "".
-        record: called with "build", the seconds and the worker's CPU seconds of each part.
+        record: called with "build", or "first build" of a worker, the seconds and the worker's CPU seconds of each part.
 
     Raises:
         Interrupted: the scheduler is gone, workers died or failed, or patience is over. str() says what is missing.
@@ -231,7 +231,7 @@ class _Run:
         share = self.workers.get(built.worker, Share(0, 0.0))
         self.workers[built.worker] = Share(share.parts + 1, share.seconds + built.seconds)
         if self.record:
-            self.record("build", built.seconds, built.cpu_seconds)
+            self.record("first build" if built.is_first else "build", built.seconds, built.cpu_seconds)
         self.there += 1
         self._say("")
 

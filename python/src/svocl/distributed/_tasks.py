@@ -67,6 +67,8 @@ class Built(NamedTuple):
     seconds: float = 0.0
     cpu_seconds: float = 0.0
     """Of the worker's process."""
+    is_first: bool = False
+    """The worker opened its device for this part, and loaded the kernels."""
     is_shared: bool = True
     """False: the worker does not see the client's folder, and has built nothing."""
     files: Optional[dict[str, bytes]] = None
@@ -188,6 +190,7 @@ def _build(work: Work, folder: str) -> Built:
     with _lock:
         begin, begin_cpu = time.perf_counter(), time.process_time()
         name = os.environ.get("SVOCL_DEVICE", work.device)
+        is_first = name not in _devices
         try:
             with Parts(folder) as parts:
                 parts.build(work.place, _open_device(name))
@@ -195,7 +198,7 @@ def _build(work: Work, folder: str) -> Built:
             _close_device(name)
             return Built(_address(), failure=str(problem), is_final=not isinstance(problem, RETRIED))
         seconds, cpu_seconds = time.perf_counter() - begin, time.process_time() - begin_cpu
-        return Built(_address(), seconds=seconds, cpu_seconds=cpu_seconds)
+        return Built(_address(), seconds=seconds, cpu_seconds=cpu_seconds, is_first=is_first)
 
 
 def _open_device(name: Optional[str]) -> Device:

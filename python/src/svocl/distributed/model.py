@@ -10,7 +10,8 @@ itself, it does alone:
     plan 1    bounds of the vertices                         ranges of the mesh file
     plan 2    triangles by coarse cells                      ranges; then the cut, by the command
     plan 3    triangles to their parts                       ranges; then tails and the switch of plans, by the command
-    build     the parts' trees                               parts, the largest first
+    build     the parts' trees                               parts, the largest first; a worker's first takes longer by
+                                                             what it takes to open the device and to load the kernels
     stitch    the file                                       shares; before them the levels above the parts and the
                                                              layout, after them the head, by the command
 
@@ -49,6 +50,8 @@ class Step(NamedTuple):
     """Seconds of the command."""
     bytes: float
     """That are read and written."""
+    start: float = 0.0
+    """Seconds of each worker, before its first task."""
 
 
 class Estimate(NamedTuple):
@@ -73,10 +76,14 @@ def read_steps(document: dict[str, Any], cpu: bool = False) -> list[Step]:
     steps = []
     for name, moved in READS.items():
         tasks = [times[column] for times in found.get(name, [])]
+        first = [times[column] for times in found.get(f"first {name}", [])]
+        mean = sum(tasks) / len(tasks) if tasks else 0.0
+        start = max(0.0, sum(first) / len(first) - mean) if first else 0.0
+        tasks += [mean or start] * len(first)
         own = sum(times[column] for times in found.get(f"own {name}", []))
         count = sum(times * document["bytes"].get(kind, 0) for kind, times in moved.items())
         if tasks or own:
-            steps.append(Step(name, sorted(tasks, reverse=True) if name == "build" else tasks, own, count))
+            steps.append(Step(name, sorted(tasks, reverse=True) if name == "build" else tasks, own, count, start))
     return steps
 
 
@@ -101,7 +108,7 @@ def estimate(steps: Sequence[Step], workers: int, bandwidth: float = 0.0, engine
     for step in steps:
         even = sum(step.tasks) / workers
         waits = {
-            "tasks": makespan(step.tasks, workers),
+            "tasks": step.start + makespan(step.tasks, workers),
             "engine": engine * len(step.tasks),
             "storage": step.bytes / bandwidth if bandwidth else 0.0,
         }
