@@ -378,6 +378,9 @@ def test_the_model_of_a_job():
     assert model.estimate(cpu, 64).steps["plan 2"] == 0.6
     opened = {"build": [[2.0, 2.0]] * 7, "first build": [[5.0, 5.0]]}
     assert model.estimate(model.read_steps({"tasks": opened, "bytes": {}}), 4).seconds == 7  # each opens its device
+    waited = {"tasks": {"build": [[2.0, 2.0]] * 8, "own stitch": [[1.0, 1.0]]}, "bytes": {}, "seconds": {"build": 21.0}}
+    assert model.read_latency(waited) == 0.5
+    assert model.estimate(model.read_steps(waited), 4, latency=0.5).steps["build"] == 5
 
 
 def test_what_workers_cannot_plan_is_planned_here(pool, device, ply_file, tmp_path):

@@ -97,7 +97,7 @@ def run(options: argparse.Namespace) -> int:
         if not options.keep:
             svocl.Parts.remove(folder)
     if options.times:
-        steps.save(options.times)
+        steps.save(options.times, times)
     tell(options, summary, times)
     return DONE
 
@@ -250,9 +250,9 @@ class Steps:
     def note(self, name: str, count: int) -> None:
         self.bytes[name] = count
 
-    def save(self, path: str) -> None:
+    def save(self, path: str, times: dict[str, float]) -> None:
         with open(path, "w") as file:
-            json.dump({"tasks": self.tasks, "bytes": self.bytes}, file)
+            json.dump({"tasks": self.tasks, "bytes": self.bytes, "seconds": times}, file)
 
 
 # --- the cluster ------------------------------------------------------------------------------------------------------

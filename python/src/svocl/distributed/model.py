@@ -15,7 +15,8 @@ itself, it does alone:
     stitch    the file                                       shares; before them the levels above the parts and the
                                                              layout, after them the head, by the command
 
-A worker takes the next task when it is done with one. The engine hands over tasks one at a time. A storage moves bytes
+A worker takes the next task when it is done with one, and waits for it meanwhile: the latency of a task is what the run
+took beside its tasks, by their number. The engine hands over tasks one at a time. A storage moves bytes
 at a rate that all workers share. So the time of a step is that of its schedule, of the engine or of the storage,
 whichever is longest, and then that of the command. Tasks are those of the run: more workers than a step has tasks wait.
 """
@@ -87,15 +88,30 @@ def read_steps(document: dict[str, Any], cpu: bool = False) -> list[Step]:
     return steps
 
 
-def makespan(tasks: Sequence[float], workers: int) -> float:
+def read_latency(document: dict[str, Any]) -> float:
+    """Seconds that the worker of a run with one worker waited for a task; 0: it is not known."""
+    took: float = sum(document.get("seconds", {}).get(name, 0.0) for name in ("plan", "build", "stitch"))
+    found = document["tasks"]
+    count = sum(len(times) for name, times in found.items() if not name.startswith("own "))
+    used: float = sum(seconds for times in found.values() for seconds, _ in times)
+    return max(0.0, took - used) / max(1, count)
+
+
+def makespan(tasks: Sequence[float], workers: int, latency: float = 0.0) -> float:
     """The end of tasks that workers take one after the other."""
     ends = [0.0] * min(workers, max(1, len(tasks)))
     for seconds in tasks:
-        heapq.heapreplace(ends, ends[0] + seconds)
+        heapq.heapreplace(ends, ends[0] + seconds + latency)
     return max(ends)
 
 
-def estimate(steps: Sequence[Step], workers: int, bandwidth: float = 0.0, engine: float = ENGINE_SECONDS) -> Estimate:
+def estimate(
+    steps: Sequence[Step],
+    workers: int,
+    bandwidth: float = 0.0,
+    engine: float = ENGINE_SECONDS,
+    latency: float = 0.0,
+) -> Estimate:
     """The time of a job with a number of workers.
 
     Args:
@@ -103,12 +119,13 @@ def estimate(steps: Sequence[Step], workers: int, bandwidth: float = 0.0, engine
         workers: of one thread each.
         bandwidth: of the storage, bytes a second; 0: no limit.
         engine: seconds that the scheduler takes for a task.
+        latency: seconds that a worker waits for a task.
     """
     seconds, bounds = {}, {}
     for step in steps:
         even = sum(step.tasks) / workers
         waits = {
-            "tasks": step.start + makespan(step.tasks, workers),
+            "tasks": step.start + makespan(step.tasks, workers, latency),
             "engine": engine * len(step.tasks),
             "storage": step.bytes / bandwidth if bandwidth else 0.0,
         }
@@ -122,12 +139,14 @@ def estimate(steps: Sequence[Step], workers: int, bandwidth: float = 0.0, engine
 def main() -> int:
     options = read_options()
     with open(options.times) as file:
-        steps = read_steps(json.load(file), options.cpu)
-    alone = estimate(steps, 1, options.bandwidth, options.engine)
+        document = json.load(file)
+    steps = read_steps(document, options.cpu)
+    latency = read_latency(document) if options.latency is None and not options.cpu else options.latency or 0.0
+    alone = estimate(steps, 1, options.bandwidth, options.engine, latency)
     print("| workers | time, s | speedup | " + " | ".join(f"{step.name}, s" for step in steps) + " | waits for |")
     print("| ---: | ---: | ---: |" + " ---: |" * len(steps) + " --- |")
     for workers in options.workers:
-        one = estimate(steps, workers, options.bandwidth, options.engine)
+        one = estimate(steps, workers, options.bandwidth, options.engine, latency)
         slowest = max(one.steps, key=lambda name: one.steps[name])
         times = " | ".join(f"{one.steps[step.name]:.2f}" for step in steps)
         row = f"{workers:,} | {one.seconds:.2f} | {alone.seconds / one.seconds:.1f} | {times}"
@@ -158,6 +177,7 @@ def read_options(arguments: Any = None) -> argparse.Namespace:
     add("--workers", type=read_workers, default=[1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1000], metavar="LIST")
     add("--bandwidth", type=read_rate, default=0.0, metavar="BYTES", help="of the storage, a second (no limit)")
     add("--engine", type=float, default=ENGINE_SECONDS, metavar="S", help=f"of a task ({ENGINE_SECONDS:g})")
+    add("--latency", type=float, metavar="S", help="of a task (as in the run; with --cpu 0)")
     add("--cpu", action="store_true", help="from CPU seconds, for a run on a machine that had other work")
     return parser.parse_args(arguments)
 
