@@ -349,6 +349,17 @@ svo_status svo_i_file_read_all(const char *path, unsigned char **bytes, size_t *
                             path, error != 0 ? strerror(error) : "it has become shorter");
 }
 
+svo_status svo_i_file_read_found(const char *path, unsigned char **bytes, size_t *byte_count, svo_message *message)
+{
+    bool is_there = false;
+    SVO_I_TRY(svo_i_file_find(path, &is_there, message));
+    const svo_status status = is_there ? svo_i_file_read_all(path, bytes, byte_count, message) : SVO_OK;
+    if (status == SVO_FILE_ERROR && access(path, F_OK) != 0 && errno == ENOENT) {
+        return SVO_OK; /* it was removed meanwhile */
+    }
+    return status;
+}
+
 static svo_status open_plan(svo_parts *parts, const char *path, svo_message *message)
 {
     unsigned char *bytes = NULL;

@@ -267,28 +267,33 @@ static bool is_whole(const svo_parts *parts, const layout_head *head, size_t byt
     return whole;
 }
 
-/* The file of a layout; NULL: there is none that is whole. */
-static layout_head *read_layout(const svo_parts *parts, uint32_t share_count)
+/* The file of a layout. *out stays NULL where there is none that is whole. */
+static svo_status read_layout(const svo_parts *parts, uint32_t share_count, layout_head **out, svo_message *message)
 {
     unsigned char *bytes = NULL;
     size_t byte_count = 0;
-    svo_message ignored;
     char *path = svo_i_layout_path(parts, share_count);
-    const bool is_read = path != NULL && svo_i_file_read_all(path, &bytes, &byte_count, &ignored) == SVO_OK;
+    if (path == NULL) {
+        return svo_i_folder_no_memory(parts, message);
+    }
+    const svo_status status = svo_i_file_read_found(path, &bytes, &byte_count, message);
     svo_i_free(path);
     layout_head *head = (layout_head *)(void *)bytes;
-    if (is_read && is_whole(parts, head, byte_count) && head->share_count == share_count) {
-        return head;
+    if (status == SVO_OK && head != NULL && is_whole(parts, head, byte_count) && head->share_count == share_count) {
+        *out = head;
+        return SVO_OK;
     }
     svo_i_free(bytes);
-    return NULL;
+    return status;
 }
 
 bool svo_i_layout_is_there(const svo_parts *parts, const svo_i_stitcher *s, svo_i_layout *layout)
 {
     const size_t begin = offsetof(layout_head, version);
     layout_head *own = make_bytes(parts, s, layout);
-    layout_head *found = read_layout(parts, layout->share_count);
+    layout_head *found = NULL;
+    svo_message ignored;
+    (void)read_layout(parts, layout->share_count, &found, &ignored);
     const bool is_same =
         own != NULL && found != NULL && own->layout_bytes == found->layout_bytes &&
         memcmp((const char *)own + begin, (const char *)found + begin, (size_t)own->layout_bytes - begin) == 0;
@@ -346,7 +351,8 @@ static bool take_lists(const svo_parts *parts, const layout_head *head, svo_i_pi
 
 svo_status svo_i_layout_load(const svo_parts *parts, svo_i_stitcher *s, svo_i_layout *layout)
 {
-    layout_head *head = read_layout(parts, layout->share_count);
+    layout_head *head = NULL;
+    SVO_I_TRY(read_layout(parts, layout->share_count, &head, s->message));
     if (head == NULL) {
         return svo_i_fail(s->message, SVO_UNAVAILABLE, "%s: a file of %" PRIu32 " shares has not been begun",
                           parts->folder, layout->share_count);

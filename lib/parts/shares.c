@@ -203,26 +203,35 @@ svo_status svo_parts_shares_begin(const svo_parts *parts, unsigned count, svo_me
 
 /* ---- writing ---- */
 
-/* Reads that a share is written; false: it is not. */
-static bool read_receipt(const sharing *h, uint32_t share, receipt *out)
+/* Whether bytes are the receipt of a share. */
+static bool is_receipt(const sharing *h, uint32_t share, const receipt *found, size_t byte_count)
+{
+    const size_t begin = offsetof(receipt, version);
+    return memcmp(found->magic, RECEIPT_MAGIC, sizeof found->magic) == 0 && found->version == RECEIPT_VERSION &&
+           found->share == share && found->chunk_count <= h->s.filling_count &&
+           byte_count == offsetof(receipt, chunks) + found->chunk_count * sizeof(receipt_chunk) &&
+           found->hash == XXH3_64bits((const char *)found + begin, byte_count - begin);
+}
+
+/* Reads that a share is written. *is_there: whether it is. */
+static svo_status read_receipt(const sharing *h, uint32_t share, receipt *out, bool *is_there)
 {
     unsigned char *bytes = NULL;
     size_t byte_count = 0;
-    svo_message ignored;
-    const size_t begin = offsetof(receipt, version);
     char *path = path_of_share(h, share);
-    bool is_whole = path != NULL && svo_i_file_read_all(path, &bytes, &byte_count, &ignored) == SVO_OK &&
-                    byte_count >= offsetof(receipt, chunks) && byte_count <= sizeof *out;
-    if (is_whole) {
+    if (path == NULL) {
+        return svo_i_folder_no_memory(h->parts, h->message);
+    }
+    const svo_status status = svo_i_file_read_found(path, &bytes, &byte_count, h->message);
+    *is_there =
+        status == SVO_OK && bytes != NULL && byte_count >= offsetof(receipt, chunks) && byte_count <= sizeof *out;
+    if (*is_there) {
         memcpy(out, bytes, byte_count);
-        is_whole = memcmp(out->magic, RECEIPT_MAGIC, sizeof out->magic) == 0 && out->version == RECEIPT_VERSION &&
-                   out->share == share && out->chunk_count <= h->s.filling_count &&
-                   byte_count == offsetof(receipt, chunks) + out->chunk_count * sizeof(receipt_chunk) &&
-                   out->hash == XXH3_64bits((const char *)out + begin, byte_count - begin);
+        *is_there = is_receipt(h, share, out, byte_count);
     }
     svo_i_free(bytes);
     svo_i_free(path);
-    return is_whole;
+    return status;
 }
 
 static svo_status write_receipt(const sharing *h, uint32_t share)
@@ -344,9 +353,11 @@ static svo_status flush(sharing *h)
 static svo_status write_share(sharing *h, uint32_t share)
 {
     receipt ignored;
+    bool is_written = false;
     SVO_I_TRY(load(h));
     SVO_I_TRY(open_file(h));
-    if (read_receipt(h, share, &ignored)) {
+    SVO_I_TRY(read_receipt(h, share, &ignored, &is_written));
+    if (is_written) {
         return SVO_OK;
     }
     SVO_I_TRY(copy_parts(h, share));
@@ -373,8 +384,10 @@ static svo_status take_receipts(sharing *h)
 {
     uint32_t taken = 0;
     for (uint32_t share = 0; share < h->layout.share_count; ++share) {
-        receipt found;
-        if (!read_receipt(h, share, &found)) {
+        receipt found = {.chunk_count = 0};
+        bool is_written = false;
+        SVO_I_TRY(read_receipt(h, share, &found, &is_written));
+        if (!is_written) {
             return svo_i_fail(h->message, SVO_UNAVAILABLE, "%s: share %" PRIu32 " of %" PRIu32 " is not written",
                               h->parts->folder, share, h->layout.share_count);
         }
@@ -398,9 +411,9 @@ static svo_status give_name(sharing *h, const char *path)
 {
     SVO_I_TRY(svo_i_folder_is_current(h->parts, h->message));
     const int error = svo_i_output_take(h->path, path);
-    if (error == EXDEV || error == EINVAL) {
-        return svo_i_fail(h->message, SVO_FILE_ERROR, "%s: %s; svo_parts_finish writes it", path,
-                          error == EXDEV ? "not on the file system of the parts" : "no file");
+    if (error == EXDEV) {
+        return svo_i_fail(h->message, SVO_FILE_ERROR,
+                          "%s: not on the file system of the parts; svo_parts_finish writes it", path);
     }
     if (error == ENOENT && access(h->path, F_OK) != 0) {
         return fail_finished(h);

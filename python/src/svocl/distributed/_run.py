@@ -67,7 +67,7 @@ def build_parts(
         patience: seconds in which no part arrives, after which the job ends.
         report: called with the number of parts that are there, the number of all, and a line about what happened,
             or "".
-        record: called with "build", or "first build" of a worker, the seconds and the worker's CPU seconds of each part.
+        record: called with "build", or "first build" of a worker, and the seconds and CPU seconds of each part.
 
     Raises:
         Interrupted: the scheduler is gone, workers died or failed, or patience is over. str() says what is missing.
