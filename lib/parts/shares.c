@@ -411,6 +411,9 @@ static svo_status give_name(sharing *h, const char *path)
 {
     SVO_I_TRY(svo_i_folder_is_current(h->parts, h->message));
     const int error = svo_i_output_take(h->path, path);
+    if (error == EINVAL) {
+        return svo_i_fail(h->message, SVO_INVALID_ARGUMENT, "svo_parts_shares_finish: %s is no file", path);
+    }
     if (error == EXDEV) {
         return svo_i_fail(h->message, SVO_FILE_ERROR,
                           "%s: not on the file system of the parts; svo_parts_finish writes it", path);
