@@ -16,6 +16,7 @@
  *     svo_parts_open            folder -> svo_parts, in any process on any machine that sees the folder
  *     svo_parts_build           builds one part of the list, unless it is there
  *     svo_parts_finish          all parts are there -> the .svo file
+ *     svo_parts_shares_...      the same by several processes
  *     svo_parts_remove          removes what is in the folder
  *
  * Every file has the identity of the plan that it is of: a hash of the triangles and materials, the grid, the options
@@ -377,6 +378,46 @@ SVO_API svo_status svo_parts_build(const svo_parts *parts, size_t index, svo_dev
  * \returns SVO_FILE_ERROR (a part is missing; the message names it), SVO_UNAVAILABLE (the folder was planned anew, and
  *          parts of the plan that was opened are missing) and what svo_parts_stitch returns. */
 SVO_API svo_status svo_parts_finish(const svo_parts *parts, const char *path, svo_message *message);
+
+/** Stitching by any number of processes: what svo_parts_finish does, divided into shares of about one cost that may be
+ *  written anywhere at once, into one file. The .svo file is the same, byte for byte, whatever their number.
+ *
+ *      svo_parts_shares_begin    all parts are there -> who writes what, and a file in the folder
+ *      svo_parts_shares_write    one share; in any process that sees the folder
+ *      svo_parts_shares_finish   all shares are written -> the file gets its name
+ *
+ *  Each may be called again, and twice at once: what is written is the same bytes at the same places, and what is there
+ *  stays. Until the end the file has no head, so that nobody can take it for one that is whole. A share that is written
+ *  is flushed to the disk before it counts. Shares of different numbers do not meet.
+ *
+ * \param parts not NULL, all of them built
+ * \param count of shares, 1 .. 65536
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_FILE_ERROR (a part is missing; the message names it, or a file cannot be written), SVO_FILE_DAMAGED (a
+ *          part is damaged), SVO_CAPACITY_EXCEEDED (see svo_parts_stitch), SVO_UNAVAILABLE (the folder was planned
+ *          anew, or there is no space), SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_parts_shares_begin(const svo_parts *parts, unsigned count, svo_message *message);
+
+/** Writes a share, unless it is written. Memory holds about 200 bytes per part and per node above the parts.
+ *
+ * \param parts not NULL
+ * \param index below count
+ * \param count as svo_parts_shares_begin was told
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_UNAVAILABLE (the shares have not been begun, or are finished, or a part is another file than it was),
+ *          and what svo_parts_shares_begin returns. */
+SVO_API svo_status svo_parts_shares_write(const svo_parts *parts, unsigned index, unsigned count, svo_message *message);
+
+/** Completes the file and gives it its name, which must be on the file system of the folder.
+ *
+ * \param parts not NULL
+ * \param count as svo_parts_shares_begin was told
+ * \param path the .svo file, which appears whole or not at all
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_UNAVAILABLE (a share is not written, and the message names it, or they have not been begun, or are
+ *          finished), SVO_FILE_ERROR (the file cannot get the name), and what svo_parts_shares_begin returns. */
+SVO_API svo_status svo_parts_shares_finish(const svo_parts *parts, unsigned count, const char *path,
+                                           svo_message *message);
 
 /** Removes the files of a folder, and the folder if nothing else is in it.
  *

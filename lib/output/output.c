@@ -496,6 +496,29 @@ int svo_i_output_commit_unflushed(svo_i_output *output)
     return commit(output, name_file_where_seen);
 }
 
+int svo_i_output_take(const char *complete, const char *path)
+{
+    place found;
+    svo_i_output output = {.descriptor = -1};
+    int error = find_place(path, &found);
+    if (error == 0 && found.kind != PLACE_FILE) {
+        error = EINVAL;
+    }
+    if (error == 0) {
+        error = copy_path(found.path, output.target);
+    }
+    if (error == 0) {
+        error = copy_path(complete, output.temporary);
+    }
+    if (error == 0) {
+        output.descriptor = open(complete, O_WRONLY | O_CLOEXEC);
+        error = output.descriptor < 0 ? errno : commit_file(&output);
+    }
+    output.temporary[0] = '\0'; /* the file stays for another try */
+    svo_i_output_abandon(&output);
+    return error;
+}
+
 void svo_i_output_abandon(svo_i_output *output)
 {
     if (output->descriptor >= 0) {

@@ -69,6 +69,10 @@ int svo_i_output_commit(svo_i_output *output);
    file may be there with other bytes, so it must have a checksum. */
 int svo_i_output_commit_unflushed(svo_i_output *output);
 
+/* Gives a file that is complete and closed the name path, as svo_i_output_commit does. EINVAL where path leads to no
+   file, EXDEV where it is on another file system. On failure the file stays where it is. */
+int svo_i_output_take(const char *complete, const char *path);
+
 /* Closes and leaves nothing behind, except what has gone straight to its place. Does nothing when not open. */
 void svo_i_output_abandon(svo_i_output *output);
 

@@ -324,8 +324,7 @@ static svo_status take_plan(svo_parts *parts, const char *path, const unsigned c
     return whole ? SVO_OK : svo_i_fail(message, SVO_FILE_DAMAGED, "%s: not the plan that was written", path);
 }
 
-/* Reads a whole file into memory that the caller frees. */
-static svo_status read_plan(const char *path, unsigned char **bytes, size_t *byte_count, svo_message *message)
+svo_status svo_i_file_read_all(const char *path, unsigned char **bytes, size_t *byte_count, svo_message *message)
 {
     struct stat found;
     const int file = open(path, O_RDONLY | O_CLOEXEC);
@@ -350,11 +349,22 @@ static svo_status read_plan(const char *path, unsigned char **bytes, size_t *byt
                             path, error != 0 ? strerror(error) : "it has become shorter");
 }
 
+svo_status svo_i_file_read_found(const char *path, unsigned char **bytes, size_t *byte_count, svo_message *message)
+{
+    bool is_there = false;
+    SVO_I_TRY(svo_i_file_find(path, &is_there, message));
+    const svo_status status = is_there ? svo_i_file_read_all(path, bytes, byte_count, message) : SVO_OK;
+    if (status == SVO_FILE_ERROR && access(path, F_OK) != 0 && errno == ENOENT) {
+        return SVO_OK; /* it was removed meanwhile */
+    }
+    return status;
+}
+
 static svo_status open_plan(svo_parts *parts, const char *path, svo_message *message)
 {
     unsigned char *bytes = NULL;
     size_t byte_count = 0;
-    svo_status status = read_plan(path, &bytes, &byte_count, message);
+    svo_status status = svo_i_file_read_all(path, &bytes, &byte_count, message);
     if (status == SVO_OK) {
         status = take_plan(parts, path, bytes, byte_count, message);
     }

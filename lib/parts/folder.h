@@ -63,6 +63,10 @@ svo_status svo_i_folder_save(const svo_parts *parts, const char *path, svo_messa
 
 /* Whether there is a file; what cannot be told is a failure, since a part would be left out. */
 svo_status svo_i_file_find(const char *path, bool *is_there, svo_message *message);
+/* Reads a whole file. bytes: released by svo_i_free, also after a failure. */
+svo_status svo_i_file_read_all(const char *path, unsigned char **bytes, size_t *byte_count, svo_message *message);
+/* The same of a file that may not be there: then *bytes stays NULL. */
+svo_status svo_i_file_read_found(const char *path, unsigned char **bytes, size_t *byte_count, svo_message *message);
 svo_status svo_i_folder_no_memory(const svo_parts *parts, svo_message *message);
 
 #endif

@@ -480,8 +480,7 @@ static svo_status build_visited(void *user, uint32_t level, uint64_t code, stand
     return build_at(b, level, code);
 }
 
-/* A failure of files that came of a new plan says so. */
-static svo_status tell_cause(const svo_parts *parts, svo_status status, svo_message *message)
+svo_status svo_i_parts_tell_cause(const svo_parts *parts, svo_status status, svo_message *message)
 {
     if (status == SVO_FILE_ERROR || status == SVO_FILE_DAMAGED) {
         SVO_I_TRY(svo_i_folder_is_current(parts, message));
@@ -504,21 +503,22 @@ svo_status svo_parts_build(const svo_parts *parts, size_t index, svo_device *dev
     if (status != SVO_OK) {
         return fail_device(device, status, message); /* no smaller part would succeed */
     }
-    return tell_cause(parts, build_at(&b, listed->level, listed->code), message);
+    return svo_i_parts_tell_cause(parts, build_at(&b, listed->level, listed->code), message);
 }
 
 /* ---- stitching ---- */
 
+/* A look for the files of all parts. */
 typedef struct gathering {
     const svo_parts *parts;
+    svo_i_part_files *files;
     svo_message *message;
-    char **paths;
-    size_t count, capacity;
 } gathering;
 
 static svo_status gather_path(void *user, uint32_t level, uint64_t code, standing found)
 {
-    gathering *g = user;
+    const gathering *g = user;
+    svo_i_part_files *files = g->files;
     if (found == PART_MISSING) {
         return svo_i_fail(g->message, SVO_FILE_ERROR, "%s: the part %u-%llx is missing", g->parts->folder, level,
                           (unsigned long long)code);
@@ -526,49 +526,58 @@ static svo_status gather_path(void *user, uint32_t level, uint64_t code, standin
     if (found == PART_WRONG) {
         return SVO_FILE_DAMAGED; /* the message says why */
     }
-    if (g->count == g->capacity) {
-        const size_t capacity = g->capacity * 2 + 64;
-        char **grown = svo_i_grow(NULL, g->paths, capacity * sizeof *grown);
+    if (files->count == files->capacity) {
+        const size_t capacity = files->capacity * 2 + 64;
+        char **grown = svo_i_grow(NULL, files->paths, capacity * sizeof *grown);
         if (grown == NULL) {
             return svo_i_folder_no_memory(g->parts, g->message);
         }
-        g->paths = grown;
-        g->capacity = capacity;
+        files->paths = grown;
+        files->capacity = capacity;
     }
     char *path = svo_i_part_path(g->parts, level, code, "part");
     if (path == NULL) {
         return svo_i_folder_no_memory(g->parts, g->message);
     }
-    g->paths[g->count++] = path;
+    files->paths[files->count++] = path;
     return SVO_OK;
+}
+
+svo_status svo_i_parts_gather(const svo_parts *parts, svo_i_part_files *files, svo_message *message)
+{
+    gathering g = {parts, files, message};
+    const tour t = {parts, gather_path, &g, message, false}; /* the stitcher reads all of them */
+    for (size_t i = 0; i < parts->entry_count; ++i) {
+        SVO_I_TRY(visit_part(&t, parts->entries[i].level, parts->entries[i].code));
+    }
+    if ((parts->header.need & SVO_NEED_RAYS) != 0) {
+        files->mesh = svo_i_folder_path(parts, "mesh");
+        return files->mesh != NULL ? SVO_OK : svo_i_folder_no_memory(parts, message);
+    }
+    return SVO_OK;
+}
+
+void svo_i_part_files_free(svo_i_part_files *files)
+{
+    for (size_t i = 0; i < files->count; ++i) {
+        svo_i_free(files->paths[i]);
+    }
+    svo_i_free(files->paths);
+    svo_i_free(files->mesh);
 }
 
 svo_status svo_parts_finish(const svo_parts *parts, const char *path, svo_message *message)
 {
-    gathering g = {.parts = parts, .message = message};
-    char *mesh = NULL;
-    svo_status status = SVO_OK;
+    svo_i_part_files files = {.paths = NULL};
     if (parts == NULL || path == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_parts_finish: %s is NULL",
                           parts == NULL ? "parts" : "path");
     }
-    const tour t = {parts, gather_path, &g, message, false}; /* the stitcher reads all of them */
-    for (size_t i = 0; i < parts->entry_count; ++i) {
-        SVO_I_TRY_CLEANUP(visit_part(&t, parts->entries[i].level, parts->entries[i].code));
+    svo_status status = svo_i_parts_gather(parts, &files, message);
+    if (status == SVO_OK) {
+        status =
+            svo_parts_stitch(&parts->header, (const char *const *)files.paths, files.count, files.mesh, path, message);
     }
-    if ((parts->header.need & SVO_NEED_RAYS) != 0) {
-        mesh = svo_i_folder_path(parts, "mesh");
-        if (mesh == NULL) {
-            status = svo_i_folder_no_memory(parts, message);
-            goto cleanup;
-        }
-    }
-    status = svo_parts_stitch(&parts->header, (const char *const *)g.paths, g.count, mesh, path, message);
-cleanup:
-    for (size_t i = 0; i < g.count; ++i) {
-        svo_i_free(g.paths[i]);
-    }
-    svo_i_free(g.paths);
-    svo_i_free(mesh);
-    return tell_cause(parts, status, message);
+    svo_i_part_files_free(&files);
+    return svo_i_parts_tell_cause(parts, status, message);
 }

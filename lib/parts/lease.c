@@ -20,7 +20,6 @@
 #define PLANNER_NAME   "planner" LEASE_SUFFIX
 #define RUN_PREFIX     "run-"
 #define OWNER_NAME     "owner"
-#define TOKEN_BYTES    160
 #define TEXT_BYTES     512
 #define TRIES          1000
 #define RENEWED_MS     10000 /* planners renew no more often */
@@ -369,12 +368,18 @@ static int make_folder(const char *folder, bool *made)
 }
 
 /* A name that no other lease has, nor an earlier one of this process. */
-static void name_token(const owner *own, const char *prefix, const char *suffix, char token[TOKEN_BYTES])
+static void name_token(const owner *own, const char *prefix, const char *suffix, char token[OWNER_BYTES])
 {
     struct timespec now;
     (void)clock_gettime(CLOCK_REALTIME, &now);
-    (void)snprintf(token, TOKEN_BYTES, "%s%.64s-%ld-%llx%08lx%s", prefix, own->host, own->process,
+    (void)snprintf(token, OWNER_BYTES, "%s%.64s-%ld-%llx%08lx%s", prefix, own->host, own->process,
                    (unsigned long long)now.tv_sec, (unsigned long)now.tv_nsec, suffix);
+}
+
+void svo_i_owner_name(char name[OWNER_BYTES])
+{
+    const owner own = this_process();
+    name_token(&own, "", "", name);
 }
 
 /* A new file of the owner; *path is the caller's. */
@@ -382,7 +387,7 @@ static int make_run(const char *folder, const owner *own, char **path)
 {
     int error = EEXIST;
     for (int i = 0; error == EEXIST && i < TRIES; ++i) {
-        char token[TOKEN_BYTES];
+        char token[OWNER_BYTES];
         name_token(own, RUN_PREFIX, LEASE_SUFFIX, token);
         svo_i_free(*path);
         *path = svo_i_path_join(folder, token);
@@ -459,9 +464,9 @@ static int64_t monotonic_ms(void)
 }
 
 /* A folder with OWNER, a folder with the owner's file. *path is the caller's. */
-static int make_planner(look *l, char **path, char token[TOKEN_BYTES])
+static int make_planner(look *l, char **path, char token[OWNER_BYTES])
 {
-    char name[TOKEN_BYTES + sizeof "plan-" LEASE_SUFFIX];
+    char name[OWNER_BYTES + sizeof "plan-" LEASE_SUFFIX];
     name_token(&l->own, "", "", token);
     (void)snprintf(name, sizeof name, "plan-%s" LEASE_SUFFIX, token);
     *path = svo_i_path_join(l->folder, name);
@@ -496,7 +501,7 @@ static int hold(look *l, const char *made, const char *held)
 
 static int take_planner(look *l, svo_i_planner *planner)
 {
-    char token[TOKEN_BYTES];
+    char token[OWNER_BYTES];
     char *made = NULL;
     planner->folder = svo_i_copy_text(NULL, l->folder);
     char *all = svo_i_path_join(l->folder, PLANNER_NAME);
@@ -551,7 +556,7 @@ svo_status svo_i_planner_renew(svo_i_planner *planner, svo_message *message)
 void svo_i_planner_release(svo_i_planner *planner)
 {
     if (planner->held != NULL) {
-        char token[TOKEN_BYTES + sizeof "done-" LEASE_SUFFIX];
+        char token[OWNER_BYTES + sizeof "done-" LEASE_SUFFIX];
         (void)snprintf(token, sizeof token, "done-%s" LEASE_SUFFIX, strrchr(planner->held, '/') + 1);
         char *moved = svo_i_path_join(planner->folder, token);
         const bool is_moved = moved != NULL && rename(planner->held, moved) == 0;

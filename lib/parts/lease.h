@@ -24,6 +24,7 @@
 #include "svocl/parts.h"
 
 #define LEASE_SUFFIX ".lease"
+#define OWNER_BYTES  160 /* of an OWNER, with what may stand around it */
 
 /* The lease of a planner. */
 typedef struct svo_i_planner {
@@ -46,6 +47,9 @@ svo_status svo_i_planner_take(const char *folder, const svo_device *device, svo_
 svo_status svo_i_planner_renew(svo_i_planner *planner, svo_message *message);
 /* Removes it with all that is in it. */
 void svo_i_planner_release(svo_i_planner *planner);
+
+/* A name that no other has: of this process and the time. */
+void svo_i_owner_name(char name[OWNER_BYTES]);
 
 /* FOLDER/NAME; released by svo_i_free. NULL when out of memory. */
 char *svo_i_path_join(const char *folder, const char *name);

@@ -160,6 +160,7 @@ static svo_status read_piece(const svo_i_pieces *all, const char *path, svo_i_pi
     *piece = (svo_i_piece){.path = path,
                            .level = head->level,
                            .code = head->code,
+                           .head_hash = head->head_hash,
                            .fragments = head->fragments,
                            .list_count = list != NULL ? list->bytes / sizeof(uint32_t) : 0,
                            .root.sums = head->root};

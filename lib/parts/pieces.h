@@ -26,6 +26,7 @@ typedef struct svo_i_piece {
     const char *path; /* the caller's */
     uint32_t level;
     uint64_t code;
+    uint64_t head_hash; /* of the file, with the checksums of its arrays */
     uint64_t fragments;
     uint64_t list_count;
     svo_i_part_root root;

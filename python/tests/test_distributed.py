@@ -20,7 +20,7 @@ import pytest
 import shapes
 
 import svocl
-from svocl.distributed import _run, _tasks, plan_parts
+from svocl.distributed import _run, _tasks, model, plan_parts
 from svocl.distributed.__main__ import read_options
 
 pytest.importorskip("distributed", reason="Dask's distributed is not installed (pip install distributed)")
@@ -314,6 +314,73 @@ def test_workers_plan(ply_file, whole, tmp_path):
     code, document, errors = run(ply_file, path, "--workers", "2", "--ranges", "3")
     assert code == 0 and document["parts"] > 10 and "in its place" not in errors
     expect_tree(path, whole)
+
+
+@pytest.mark.parametrize("need", [svocl.Need.DEFAULT, svocl.Need.RAYS | svocl.Need.NORMAL])
+def test_any_shares_are_the_file_in_one_piece(device, mesh, tmp_path, need):
+    with device.build(mesh, DEPTH, need=need) as tree:
+        tree.save(tmp_path / "whole.svo")
+    with svocl.Parts.create(device, mesh, DEPTH, tmp_path / "folder", max_bytes=PART_BYTES, need=need) as parts:
+        with pytest.raises(svocl.FileError, match="is missing"):
+            parts.begin_shares(2)
+        for index in range(len(parts)):
+            parts.build(index, device)
+        for count in (1, 3, 50):
+            with pytest.raises(svocl.UnavailableError, match="has not been begun"):
+                parts.write_share(0, count)
+            parts.begin_shares(count)
+            for index in reversed(range(count)):
+                with pytest.raises(svocl.UnavailableError, match="share 0 of"):
+                    parts.finish_shares(count, tmp_path / "shares.svo")
+                parts.write_share(index, count)
+            parts.finish_shares(count, tmp_path / "shares.svo")
+            assert (tmp_path / "shares.svo").read_bytes() == (tmp_path / "whole.svo").read_bytes()
+            (tmp_path / "shares.svo").unlink()
+
+
+def test_workers_stitch(ply_file, whole, tmp_path):
+    """The times of all tasks tell how long other numbers of workers take."""
+    path = tmp_path / "tree.svo"
+    options = ["--workers", "2", "--ranges", "3", "--shares", "5", "--times", str(tmp_path / "times.json")]
+    code, document, errors = run(ply_file, path, *options)
+    assert code == 0 and "in its place" not in errors
+    expect_tree(path, whole)
+    steps = model.read_steps(json.loads((tmp_path / "times.json").read_text()))
+    assert [len(step.tasks) for step in steps] == [3, 3, 3, document["parts"], 5]
+    assert all(step.bytes > 0 and min(step.tasks) > 0 for step in steps) and steps[-1].own > 0
+    command = [sys.executable, "-m", "svocl.distributed.model", str(tmp_path / "times.json"), "--workers", "1,1000"]
+    lines = subprocess.check_output(command, text=True).splitlines()
+    assert len(lines) == 4 and lines[2].startswith("| 1 | ") and lines[3].startswith("| 1,000 | ")
+
+
+def test_a_worker_killed_while_it_stitches(pool, ply_file, whole, tmp_path):
+    """Its share is written by the other one."""
+    killed = pool.worker(f"share=1 signal={signal.SIGKILL:d}")
+    pool.worker("slow=0.05")
+    options = ["--scheduler", pool.address, "--ranges", "1", "--shares", "8"]
+    code, _, errors = run(ply_file, tmp_path / "tree.svo", *options)
+    assert code == 0 and killed.wait(SECONDS) == -signal.SIGKILL and "is gone" in errors
+    expect_tree(tmp_path / "tree.svo", whole)
+
+
+def test_the_model_of_a_job():
+    """Closed forms: equal tasks, one long task, the engine, the storage."""
+    times = {"plan 2": [[1.0, 0.5]] * 64, "own plan 2": [[0.25, 0.1]], "build": [[1.0, 1.0]] * 63 + [[9.0, 9.0]]}
+    steps = model.read_steps({"tasks": times, "bytes": {"mesh": 1 << 30, "parts": 1 << 30}})
+    assert [step.name for step in steps] == ["plan 2", "build"]
+    assert model.estimate(steps, 1).seconds == 64.25 + 72
+    assert model.estimate(steps, 64).steps == {"plan 2": 1.25, "build": 9.0}
+    assert model.estimate(steps, 64).bounds == {"plan 2": "tasks", "build": "one task"}
+    assert model.estimate(steps, 4).steps["build"] == 18  # the long one is taken first
+    assert model.estimate(steps, 1000, engine=0.5).bounds["build"] == "engine"
+    assert model.estimate(steps, 1000, bandwidth=1 << 26).steps == {"plan 2": 16.25, "build": 16.0}
+    cpu = model.read_steps({"tasks": times, "bytes": {}}, cpu=True)
+    assert model.estimate(cpu, 64).steps["plan 2"] == 0.6
+    opened = {"build": [[2.0, 2.0]] * 7, "first build": [[5.0, 5.0]]}
+    assert model.estimate(model.read_steps({"tasks": opened, "bytes": {}}), 4).seconds == 7  # each opens its device
+    waited = {"tasks": {"build": [[2.0, 2.0]] * 8, "own stitch": [[1.0, 1.0]]}, "bytes": {}, "seconds": {"build": 21.0}}
+    assert model.read_latency(waited) == 0.5
+    assert model.estimate(model.read_steps(waited), 4, latency=0.5).steps["build"] == 5
 
 
 def test_what_workers_cannot_plan_is_planned_here(pool, device, ply_file, tmp_path):

@@ -3,7 +3,8 @@
 
 SVOCL_FAULT has key=value pairs. at: the worker's part, from 1 on, or name: the part's name. signal: its number. pid:
 the process that gets it, the worker by default. when: before, amid or after the part. once: a file; the first worker
-that makes it gets the fault. slow: seconds that every part takes longer.
+that makes it gets the fault. slow: seconds that every part and every share takes longer. share: in place of at, the
+worker's share of the file, amid which it strikes.
 """
 
 import os
@@ -11,6 +12,7 @@ import signal
 import threading
 import time
 
+import svocl
 from svocl.distributed import _tasks
 
 _fault = dict(pair.split("=", 1) for pair in os.environ.get("SVOCL_FAULT", "").split())
@@ -49,5 +51,21 @@ def _faulty_build(work, folder):
     return built
 
 
+_write_share = getattr(svocl.Parts.write_share, "faultless", svocl.Parts.write_share)
+_shares = 0
+
+
+def _faulty_write_share(self, index, count):
+    global _shares
+    _shares += 1
+    if _fault.get("share") == str(_shares):
+        threading.Timer(0.001, _strike).start()
+        time.sleep(0.0005)
+    _write_share(self, index, count)
+    time.sleep(float(_fault.get("slow", 0)) + (1 if _fault.get("share") == str(_shares) else 0))
+
+
+_faulty_write_share.faultless = _write_share
+svocl.Parts.write_share = _faulty_write_share
 _faulty_build.faultless = _build
 _tasks._build = _faulty_build

@@ -341,7 +341,14 @@ static svo_status build_parts(subject *of, const svo_parts *parts)
     for (size_t i = 0; i < svo_parts_count(parts); ++i) {
         SVO_I_TRY(svo_parts_build(parts, i, world.device, world.cl, world.queue, &of->message));
     }
-    return svo_parts_finish(parts, path, &of->message);
+    SVO_I_TRY(svo_parts_finish(parts, path, &of->message));
+    faults_spare(true);
+    assert_int_equal(unlink(path), 0);
+    faults_spare(false);
+    SVO_I_TRY(svo_parts_shares_begin(parts, 2, &of->message));
+    SVO_I_TRY(svo_parts_shares_write(parts, 1, 2, &of->message));
+    SVO_I_TRY(svo_parts_shares_write(parts, 0, 2, &of->message));
+    return svo_parts_shares_finish(parts, 2, path, &of->message);
 }
 
 /* Adds the stitched file to the digest and removes it; no call fails meanwhile. */

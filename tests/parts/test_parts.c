@@ -752,14 +752,20 @@ static void test_folders(void **state)
     attributed_mesh_destroy(&made);
 }
 
-/* Flips a bit of a file's last byte. */
-static void damage_end(const char *path)
+/* Flips a bit of a file's byte: the last one, or the one in its middle. */
+static void damage(const char *path, bool in_middle)
 {
     size_t bytes = 0;
     char *content = read_file(path, &bytes);
-    content[bytes - 1] = (char)(content[bytes - 1] ^ 1);
+    const size_t at = in_middle ? bytes / 2 : bytes - 1;
+    content[at] = (char)(content[at] ^ 1);
     write_file(path, content, bytes);
     free(content);
+}
+
+static void damage_end(const char *path)
+{
+    damage(path, false);
 }
 
 /* Parts that change after they were built are found while they are put together, the file stays as it was, and the next
@@ -1185,6 +1191,164 @@ static int teardown(void **state)
     return fixture_group_teardown(state);
 }
 
+/* ---- shares ---- */
+
+/* A folder whose parts are built, and the tree in one piece. */
+typedef struct shared_folder {
+    job j;
+    svo_parts *parts;
+    char folder[PATH_BYTES], whole[PATH_BYTES], out[PATH_BYTES];
+} shared_folder;
+
+static void open_shared(void **state, const svo_mesh *mesh, unsigned depth, uint32_t need, shared_folder *f)
+{
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    svo_message message;
+    options.need = need;
+    options.edge = 1.0;
+    f->j = open_job(state, mesh);
+    path_of("folder", f->folder);
+    path_of("whole.svo", f->whole);
+    path_of("shares.svo", f->out);
+    build_whole(&f->j, depth, &options);
+    check(&f->j, svo_parts_create(f->j.opened.device, mesh, depth, &options, 400000, f->folder, &message), &message);
+    build_folder(&f->j, f->j.opened.device, f->folder);
+    check(&f->j, svo_parts_open(f->folder, &f->parts, &message), &message);
+}
+
+static void close_shared(shared_folder *f)
+{
+    svo_message message;
+    svo_parts_close(&f->parts);
+    check(&f->j, svo_parts_remove(f->folder, &message), &message);
+    (void)unlink(f->out);
+    close_job(&f->j);
+}
+
+/* Writes all shares, the last first. */
+static void write_shares(const shared_folder *f, unsigned count)
+{
+    svo_message message;
+    check(&f->j, svo_parts_shares_begin(f->parts, count, &message), &message);
+    for (unsigned i = count; i-- > 0;) {
+        check(&f->j, svo_parts_shares_write(f->parts, i, count, &message), &message);
+    }
+}
+
+/* Any number of shares is the file of the tree in one piece, and leaves nothing behind. */
+static void test_shares(void **state)
+{
+    static const unsigned counts[] = {1, 3, 64};
+    attributed_mesh made;
+    shared_folder f;
+    svo_message message;
+    attributed_mesh_create(18, 300, 0.3, &made);
+    static const uint32_t needs[] = {NEED_ALL, SVO_NEED_DEFAULT};
+    for (unsigned n = 0; n < 2; ++n) {
+        open_shared(state, &made.mesh, 6, needs[n], &f);
+        assert_true(svo_parts_count(f.parts) > 8);
+        for (unsigned i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
+            char command[4 * PATH_BYTES];
+            write_shares(&f, counts[i]);
+            assert_int_equal(svo_parts_shares_finish(f.parts, counts[i], f.out, &message), SVO_OK);
+            assert_same_files(f.whole, f.out);
+            (void)snprintf(command, sizeof command, "! ls %s/*/stitch-* %s/*/*.stitch %s/*/*.share 2>/dev/null",
+                           f.folder, f.folder, f.folder);
+            assert_int_equal(system(command), 0);
+        }
+        close_shared(&f);
+    }
+    attributed_mesh_destroy(&made);
+}
+
+/* A tree without a node but its root has no parts with nodes. */
+static void test_shares_of_nothing(void **state)
+{
+    const float far[9] = {5, 5, 5, 6, 5, 5, 5, 6, 5};
+    shared_folder f;
+    svo_message message;
+    svo_mesh mesh = SVO_MESH_INIT;
+    mesh.positions = far;
+    mesh.vertex_count = 3;
+    mesh.triangle_count = 1;
+    open_shared(state, &mesh, 4, NEED_ALL, &f);
+    write_shares(&f, 3);
+    check(&f.j, svo_parts_shares_finish(f.parts, 3, f.out, &message), &message);
+    assert_same_files(f.whole, f.out);
+    close_shared(&f);
+}
+
+static void expect_no_share(svo_status status, svo_status expected, const svo_message *message, const char *words)
+{
+    assert_int_equal(status, expected);
+    if (strstr(message->text, words) == NULL) {
+        fail_msg("'%s' has no '%s'", message->text, words);
+    }
+}
+
+/* What is not written, or was written to a file that has its name, does not count. */
+static void test_shares_that_are_missing(void **state)
+{
+    attributed_mesh made;
+    shared_folder f;
+    svo_message message;
+    char command[4 * PATH_BYTES];
+    attributed_mesh_create(18, 300, 0.3, &made);
+    open_shared(state, &made.mesh, 6, NEED_ALL, &f);
+    expect_no_share(svo_parts_shares_write(f.parts, 0, 3, &message), SVO_UNAVAILABLE, &message, "has not been begun");
+    check(&f.j, svo_parts_shares_begin(f.parts, 3, &message), &message);
+    check(&f.j, svo_parts_shares_write(f.parts, 0, 3, &message), &message);
+    check(&f.j, svo_parts_shares_write(f.parts, 2, 3, &message), &message);
+    expect_no_share(svo_parts_shares_finish(f.parts, 3, f.out, &message), SVO_UNAVAILABLE, &message,
+                    "share 1 of 3 is not written");
+    write_shares(&f, 3);
+    (void)snprintf(command, sizeof command,
+                   "cd %s/*/ && mkdir ../../kept && cp *.share ../../kept/ && truncate -s -1 *-1.share", f.folder);
+    assert_int_equal(system(command), 0);
+    expect_no_share(svo_parts_shares_finish(f.parts, 3, f.out, &message), SVO_UNAVAILABLE, &message, "share 1 of 3");
+    assert_int_equal(access(f.out, F_OK), -1);
+    write_shares(&f, 3);
+    check(&f.j, svo_parts_shares_finish(f.parts, 3, f.out, &message), &message);
+    check(&f.j, svo_parts_shares_begin(f.parts, 3, &message), &message);
+    (void)snprintf(command, sizeof command, "mv %s/../kept/* %s/*/ && rmdir %s/../kept", f.folder, f.folder, f.folder);
+    assert_int_equal(system(command), 0);
+    expect_no_share(svo_parts_shares_finish(f.parts, 3, f.out, &message), SVO_UNAVAILABLE, &message, "share 0 of 3");
+    assert_same_files(f.whole, f.out);
+    close_shared(&f);
+    attributed_mesh_destroy(&made);
+}
+
+/* A damaged part is named, and no file comes of it, until it is built again. */
+static void test_shares_of_damaged_parts(void **state)
+{
+    attributed_mesh made;
+    shared_folder f;
+    svo_message message;
+    char path[PATH_BYTES + 48];
+    svo_parts_entry entry = SVO_PARTS_ENTRY_INIT;
+    attributed_mesh_create(18, 300, 0.3, &made);
+    open_shared(state, &made.mesh, 6, NEED_ALL, &f);
+    check(&f.j, svo_parts_get(f.parts, 1, &entry, &message), &message);
+    (void)snprintf(path, sizeof path, "%s/%u-%llx.part", f.folder, entry.level, (unsigned long long)entry.code);
+    check(&f.j, svo_parts_shares_begin(f.parts, 1, &message), &message);
+    damage(path, true);
+    expect_no_share(svo_parts_shares_write(f.parts, 0, 1, &message), SVO_FILE_DAMAGED, &message, path);
+    expect_no_share(svo_parts_shares_finish(f.parts, 1, f.out, &message), SVO_UNAVAILABLE, &message, "share 0 of 1");
+    build_folder(&f.j, f.j.opened.device, f.folder);
+    check(&f.j, svo_parts_shares_write(f.parts, 0, 1, &message), &message);
+    check(&f.j, svo_parts_shares_finish(f.parts, 1, f.out, &message), &message);
+    assert_same_files(f.whole, f.out);
+    assert_int_equal(unlink(path), 0);
+    expect_no_share(svo_parts_shares_begin(f.parts, 1, &message), SVO_FILE_ERROR, &message, "is missing");
+    expect_no_share(svo_parts_shares_begin(f.parts, 0, &message), SVO_INVALID_ARGUMENT, &message, "count 0");
+    expect_no_share(svo_parts_shares_begin(f.parts, 65537, &message), SVO_INVALID_ARGUMENT, &message, "count 65537");
+    expect_no_share(svo_parts_shares_begin(NULL, 1, &message), SVO_INVALID_ARGUMENT, &message, "parts is NULL");
+    expect_no_share(svo_parts_shares_write(f.parts, 1, 1, &message), SVO_INVALID_ARGUMENT, &message, "index 1");
+    expect_no_share(svo_parts_shares_finish(f.parts, 1, NULL, &message), SVO_INVALID_ARGUMENT, &message, "path");
+    close_shared(&f);
+    attributed_mesh_destroy(&made);
+}
+
 TEST_GROUP(parts)
 {
     const struct CMUnitTest tests[] = {
@@ -1211,6 +1375,10 @@ TEST_GROUP(parts)
         cmocka_unit_test(test_older_folders),
         cmocka_unit_test(test_triangles_of_another_plan),
         cmocka_unit_test(test_planned_anew),
+        cmocka_unit_test(test_shares),
+        cmocka_unit_test(test_shares_of_nothing),
+        cmocka_unit_test(test_shares_that_are_missing),
+        cmocka_unit_test(test_shares_of_damaged_parts),
     };
     return cmocka_run_group_tests_name("parts", tests, setup, teardown);
 }

@@ -8,6 +8,8 @@
  * In one world leases are never stale, in the other they always are, as if each process was stopped for minutes between
  * any two of its steps. A file of two plans must not come of either, and the folder must always be good for a next run.
  *
+ * A process that stitches by shares is also killed before every call that changes a file.
+ *
  * Of the scenario with all processes, which has 7,082 orders in each world, those are run that interrupt before every
  * fourth call; with SVOCL_LONG_TESTS all.
  */
@@ -29,6 +31,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "core/message.h"
@@ -51,7 +54,7 @@
 
 /* ---- what is tried ---- */
 
-typedef enum role { PLANS_A, PLANS_B, BUILDS, STITCHES } role;
+typedef enum role { PLANS_A, PLANS_B, BUILDS, STITCHES, SHARES } role;
 
 typedef struct scenario {
     const char *name;
@@ -61,6 +64,7 @@ typedef struct scenario {
     bool begins_planned; /* by A */
     bool has_one_part; /* else eight */
     bool is_long; /* interrupted before every fourth call alone */
+    bool begins_built;
 } scenario;
 
 typedef struct actor {
@@ -99,7 +103,8 @@ static struct {
     int interruptions;
     decision steps[STEPS_MAX];
     int step, given_steps;
-} world;
+    int calls_left; /* before the process is killed; below 0: it is not */
+} world = {.calls_left = -1};
 
 static _Thread_local actor *self; /* NULL: the test itself */
 
@@ -191,6 +196,14 @@ static bool is_seen(const char *path)
     return strncmp(path, world.folder, length) == 0 && strstr(path + length, "planner.lease/") == NULL;
 }
 
+/* Kills the process before a call that changes a file, when its turn has come. */
+static void may_die(void)
+{
+    if (world.calls_left >= 0 && world.calls_left-- == 0) {
+        (void)raise(SIGKILL);
+    }
+}
+
 /* NOLINTBEGIN(readability-identifier-naming) */
 #define DECLARE(type, name, parameters) \
     type __real_##name parameters;      \
@@ -206,6 +219,9 @@ DECLARE(int, open, (const char *path, int flags, ...))
     if ((flags & O_TMPFILE) != O_TMPFILE && is_seen(path)) {
         step();
     }
+    if ((flags & O_CREAT) != 0) {
+        may_die();
+    }
     return __real_open(path, flags, mode);
 }
 
@@ -214,6 +230,7 @@ DECLARE(int, rename, (const char *from, const char *to))
     if (is_seen(from) || is_seen(to)) {
         step();
     }
+    may_die();
     return __real_rename(from, to);
 }
 
@@ -222,6 +239,7 @@ DECLARE(int, linkat, (int from_folder, const char *from, int to_folder, const ch
     if (is_seen(to)) {
         step();
     }
+    may_die();
     return __real_linkat(from_folder, from, to_folder, to, flags);
 }
 
@@ -230,7 +248,26 @@ DECLARE(int, unlink, (const char *path))
     if (is_seen(path)) {
         step();
     }
+    may_die();
     return __real_unlink(path);
+}
+
+DECLARE(ssize_t, pwrite, (int file, const void *bytes, size_t byte_count, off_t offset))
+{
+    may_die();
+    return __real_pwrite(file, bytes, byte_count, offset);
+}
+
+DECLARE(int, fsync, (int file))
+{
+    may_die();
+    return __real_fsync(file);
+}
+
+DECLARE(int, ftruncate, (int file, off_t length))
+{
+    may_die();
+    return __real_ftruncate(file, length);
 }
 
 DECLARE(DIR *, opendir, (const char *path))
@@ -283,6 +320,29 @@ static svo_status build_all(const svo_parts *parts, svo_message *message)
     return SVO_OK;
 }
 
+/* The last share first, and each twice: a worker that was given up may go on. */
+static svo_status stitch_by_shares(const svo_parts *parts, unsigned count, const char *out, svo_message *message)
+{
+    SVO_I_TRY(svo_parts_shares_begin(parts, count, message));
+    for (unsigned i = 2 * count; i-- > 0;) {
+        SVO_I_TRY(svo_parts_shares_write(parts, i / 2, count, message));
+    }
+    return svo_parts_shares_finish(parts, count, out, message);
+}
+
+/* What a run does when it has a lease and the folder is open. */
+static svo_status work(actor *a, const svo_parts *parts, const char *out)
+{
+    switch (a->does) {
+    case BUILDS:
+        return build_all(parts, &a->message);
+    case SHARES:
+        return stitch_by_shares(parts, 2, out, &a->message);
+    default:
+        return svo_parts_finish(parts, out, &a->message);
+    }
+}
+
 /* A run as the program does it: with a lease. */
 static void use_folder(actor *a)
 {
@@ -296,7 +356,7 @@ static void use_folder(actor *a)
     }
     if (a->status == SVO_OK) {
         a->opened = svo_parts_get_identity(parts, a->planned, NULL) == SVO_OK;
-        a->status = a->does == BUILDS ? build_all(parts, &a->message) : svo_parts_finish(parts, out, &a->message);
+        a->status = work(a, parts, out);
     }
     svo_parts_close(&parts);
     svo_parts_lease_release(&lease);
@@ -343,6 +403,9 @@ static char *read_file(const char *path, size_t *bytes)
 static const char *order(void)
 {
     static char text[2048];
+    if (world.of == NULL) {
+        return "killed";
+    }
     int used = snprintf(text, sizeof text, "%s, leases %s, decisions", world.of->name,
                         world.leases_are_stale ? "stale" : "live");
     for (int i = 0; i < world.of->count && used < (int)sizeof text - 200; ++i) {
@@ -371,19 +434,26 @@ static void expect_file_of(const char *identity, const char *path)
     (void)unlink(path);
 }
 
+/* Of one that stitches by shares while another does. */
+static bool is_of_shares(const char *text)
+{
+    return strstr(text, "is not written") != NULL || strstr(text, "were finished meanwhile") != NULL ||
+           strstr(text, "has not been begun") != NULL;
+}
+
 static void expect_words(const actor *a)
 {
     const char *text = a->message.text;
     const bool plans = a->does == PLANS_A || a->does == PLANS_B;
-    bool known = false;
+    bool known = a->status == SVO_UNAVAILABLE && a->does == SHARES && is_of_shares(text);
     if (a->status == SVO_UNAVAILABLE && !world.leases_are_stale) {
-        known = strstr(text, "its lease is less than") != NULL;
+        known = known || strstr(text, "its lease is less than") != NULL;
     } else if (a->status == SVO_UNAVAILABLE) {
-        known = strstr(text, "the lease was broken") != NULL || strstr(text, "planned anew meanwhile") != NULL;
+        known = known || strstr(text, "the lease was broken") != NULL || strstr(text, "planned anew meanwhile") != NULL;
     } else if (a->status == SVO_FILE_ERROR && !plans) {
         known = !a->opened ? strstr(text, "plan: cannot be opened") != NULL
-                           : a->does == STITCHES && strstr(text, "is missing") != NULL;
-    } else if (a->status == SVO_FILE_DAMAGED && a->does == STITCHES) {
+                           : a->does >= STITCHES && strstr(text, "is missing") != NULL;
+    } else if (a->status == SVO_FILE_DAMAGED && a->does >= STITCHES) {
         known = strstr(text, " belongs to plan ") != NULL;
     }
     if (!known) {
@@ -439,7 +509,7 @@ static void check_run(void)
         out_of(a, out);
         if (a->status != SVO_OK) {
             expect_words(a);
-        } else if (a->does == STITCHES) {
+        } else if (a->does >= STITCHES) {
             expect_file_of(a->planned, out);
         }
         is_planned = is_planned || (a->status == SVO_OK && a->does <= PLANS_B);
@@ -451,6 +521,15 @@ static void check_run(void)
 
 /* ---- the search ---- */
 
+static void build_folder(void)
+{
+    svo_parts *parts = NULL;
+    svo_message message;
+    assert_int_equal(svo_parts_open(world.folder, &parts, &message), SVO_OK);
+    assert_int_equal(build_all(parts, &message), SVO_OK);
+    svo_parts_close(&parts);
+}
+
 static void run_once(void)
 {
     svo_message message;
@@ -458,6 +537,9 @@ static void run_once(void)
     if (world.of->begins_planned) {
         plan_folder(0, &status, &message);
         assert_int_equal(status, SVO_OK);
+    }
+    if (world.of->begins_built) {
+        build_folder();
     }
     world.step = 0;
     world.interruptions = 0;
@@ -566,26 +648,27 @@ static void search(void **state, const scenario *of)
 
 static void test_two_planners(void **state)
 {
-    static const scenario of = {"two planners", {PLANS_A, PLANS_B}, 2, 2, false, false, false};
+    static const scenario of = {"two planners", {PLANS_A, PLANS_B}, 2, 2, false, false, false, false};
     search(state, &of);
 }
 
 static void test_two_planners_of_one_plan(void **state)
 {
-    static const scenario of = {"two planners of the plan that is there", {PLANS_A, PLANS_A}, 2, 2, true, false, false};
+    static const scenario of = {
+        "two planners of the plan that is there", {PLANS_A, PLANS_A}, 2, 2, true, false, false, false};
     search(state, &of);
 }
 
 static void test_a_planner_and_a_builder(void **state)
 {
-    static const scenario of = {"a planner and a builder", {PLANS_B, BUILDS}, 2, 2, true, true, false};
+    static const scenario of = {"a planner and a builder", {PLANS_B, BUILDS}, 2, 2, true, true, false, false};
     search(state, &of);
 }
 
 static void test_parts_of_two_plans(void **state)
 {
     static const scenario of = {
-        "a planner, a builder and a stitcher", {BUILDS, PLANS_B, STITCHES}, 3, 1, true, false, false};
+        "a planner, a builder and a stitcher", {BUILDS, PLANS_B, STITCHES}, 3, 1, true, false, false, false};
     search(state, &of);
 }
 
@@ -597,8 +680,66 @@ static void test_all_of_them(void **state)
                                 1,
                                 true,
                                 true,
-                                true};
+                                true,
+                                false};
     search(state, &of);
+}
+
+static void test_two_stitch_by_shares(void **state)
+{
+    static const scenario of = {
+        "a planner, and two that stitch by shares", {SHARES, PLANS_B, SHARES}, 3, 1, true, true, false, true};
+    search(state, &of);
+}
+
+/* ---- processes that are killed ---- */
+
+/* Stitches by three shares, and is killed before a call that changes a file. Returns whether it was. */
+static bool is_killed(const svo_parts *parts, int calls, const char *out)
+{
+    int how = 0;
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        svo_message message;
+        world.calls_left = calls;
+        _exit(stitch_by_shares(parts, 3, out, &message) == SVO_OK ? 0 : 1);
+    }
+    assert_int_equal(waitpid(child, &how, 0), child);
+    assert_true(WIFSIGNALED(how) || WEXITSTATUS(how) == 0);
+    return WIFSIGNALED(how);
+}
+
+/* Whenever it is killed, there is no file or the whole one, and the next try ends with the same bytes. */
+static void test_killed_at_any_call(void **state)
+{
+    svo_parts *parts = NULL;
+    svo_status status = SVO_OK;
+    svo_message message;
+    char out[PATH_BYTES];
+    int calls = 0;
+    prepare(state);
+    world.of = NULL;
+    plan_folder(0, &status, &message);
+    assert_int_equal(status, SVO_OK);
+    build_folder();
+    (void)snprintf(out, sizeof out, "%s/killed.svo", world.root);
+    assert_int_equal(svo_parts_open(world.folder, &parts, &message), SVO_OK);
+    while (is_killed(parts, calls, out)) {
+        if (access(out, F_OK) == 0) {
+            expect_file_of(world.identities[0], out);
+        }
+        if (stitch_by_shares(parts, 3, out, &message) != SVO_OK) {
+            fail_msg("after %d calls: %s", calls, message.text);
+        }
+        expect_file_of(world.identities[0], out);
+        calls += getenv("SVOCL_LONG_TESTS") == NULL ? LONG_STRIDE : 1;
+    }
+    print_message("killed at %d of its calls\n", calls);
+    assert_true(calls > 50);
+    expect_file_of(world.identities[0], out);
+    svo_parts_close(&parts);
+    assert_int_equal(svo_parts_remove(world.folder, NULL), SVO_OK);
 }
 
 static int setup(void **state)
@@ -629,6 +770,8 @@ TEST_GROUP(parts_orders)
         cmocka_unit_test(test_a_planner_and_a_builder),
         cmocka_unit_test(test_parts_of_two_plans),
         cmocka_unit_test(test_all_of_them),
+        cmocka_unit_test(test_two_stitch_by_shares),
+        cmocka_unit_test(test_killed_at_any_call),
     };
     return cmocka_run_group_tests_name("parts_orders", tests, setup, teardown);
 }

@@ -87,6 +87,9 @@ static void steps_are_idempotent(void **state)
              " && stat -c '%n %i' b.svo.parts/*.part | cmp - before");
     run_well("$SVOCL parts stitch b.svo.parts && cmp a.svo b.svo");
     run_well("$SVOCL parts stitch b.svo.parts -o c.svo && cmp a.svo c.svo");
+    run_well("share() { $SVOCL parts share b.svo.parts --shares 4 \"$@\"; }; share && share &&"
+             " (share --part 0 & share --part 2 & share --part 0 & share --part 3 && share --part 1 && wait)"
+             " && $SVOCL parts stitch b.svo.parts --shares 4 -o c.svo && cmp a.svo c.svo");
     run_well("$SVOCL parts remove b.svo.parts && test ! -e b.svo.parts");
     run_well("rm a.svo b.svo c.svo indices before");
 }
@@ -105,6 +108,7 @@ typedef struct exit_row {
 #define PLAN          "$SVOCL parts plan scene:statue:2000 -d 5 --need rays --max-memory 1M -o b.svo -q"
 #define BUILD         "$SVOCL parts build b.svo.parts"
 #define STITCH        "$SVOCL parts stitch b.svo.parts"
+#define SHARE         "$SVOCL parts share b.svo.parts --shares 2"
 #define NO_DEVICE     "OCL_ICD_VENDORS=/nonexistent "
 #define FIRST_PART    "$(ls b.svo.parts/*.part | head -1)"
 
@@ -128,6 +132,14 @@ static const exit_row exit_rows[] = {
     {"cp other.svo.parts/0-0.part " FIRST_PART, STITCH, 75, ".part belongs to plan "},
     {PLANNER_LEASE, STITCH, 75, "b.svo.parts: process 7 on elsewhere plans its parts"},
     {"truncate -s -1 b.svo.parts/*/mesh", STITCH, 1, "/mesh"},
+    {"rm " FIRST_PART, SHARE, 75, "is missing"},
+    {"true", SHARE " --part 0", 75, "a file of 2 shares has not been begun"},
+    {SHARE " && truncate -s -1 " FIRST_PART, SHARE " --part 0 && " SHARE " --part 1", 75, ".part"},
+    {PLANNER_LEASE, SHARE, 75, "b.svo.parts: process 7 on elsewhere plans its parts"},
+    {SHARE " && " SHARE " --part 1", STITCH " --shares 2", 75, "share 0 of 2 is not written"},
+    {"true", SHARE " --part 2", 2, "--part '2' is not a number below 2"},
+    {"true", "$SVOCL parts share b.svo.parts", 2, "parts share needs --shares N"},
+    {"true", STITCH " --shares 2 --tree-form shared -o b.svc", 2, "--shares does not apply with --tree-form"},
     {"true", STITCH " -o none/b.svo", 1, "none/b.svo"},
     {RUN_LEASE, "$SVOCL parts remove b.svo.parts", 75, "process 7 on elsewhere builds or stitches its parts"},
 };

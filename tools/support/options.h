@@ -223,7 +223,8 @@ typedef struct options {
     uint64_t max_voxels; /* of voxel files and trees; 0: by memory */
     uint64_t max_memory; /* build, parts: bytes that a part may take; edit: nodes; 0: not given */
     uint64_t resume; /* build: a flag */
-    const char *part; /* parts: NULL: not given, else an index or LEVEL-CODE */
+    const char *part; /* parts: NULL: not given, else an index, or of parts LEVEL-CODE */
+    uint64_t shares; /* parts: 0: not given */
     uint64_t animate, verify_frames; /* render: flags */
     uint64_t frames; /* render: of an animation */
     uint64_t paged; /* render: bytes of buffers for a file that is paged; 0: not given */

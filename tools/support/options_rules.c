@@ -645,7 +645,10 @@ static const rule rules[] = {
     {"resume", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(resume), 0, 0, NULL,
      "with --max-memory: keep the parts that an earlier run has finished"},
     {"part", '\0', OPTION_PARTS_COMMAND, "PART", read_text, FIELD(part), 0, 0, NULL,
-     "parts build: the part to build, its index or its LEVEL-CODE (all)"},
+     "parts build: the part to build, its index or its LEVEL-CODE (all); parts share: the share to write (none, shares "
+     "are begun)"},
+    {"shares", '\0', OPTION_PARTS_COMMAND, "N", read_count, FIELD(shares), 1, 65536, NULL,
+     "parts share, stitch: how many shares of the file are written side by side (stitch: none, it writes all)"},
     {"max-voxels", '\0', OPTION_UNFOLDED, "N", read_count, FIELD(max_voxels), 1, UINT32_MAX, NULL,
      "most voxels that a voxel file or a tree may unfold to, those of all levels (what memory holds)"},
     {"solid", '\0', OPTION_SOLID, "RULE", read_choice, FIELD(solid), 0, 0, solids,

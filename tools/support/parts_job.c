@@ -200,14 +200,41 @@ static bool lacks_parts(const svo_parts *parts)
     return is_built == 0;
 }
 
+/* The exit code of a step of stitching. */
+static int end_stitch(program *state, const svo_parts *parts, svo_status status, const svo_message *message)
+{
+    if ((status == SVO_FILE_ERROR || status == SVO_FILE_DAMAGED) && lacks_parts(parts)) {
+        return program_fail_status(state, PROGRAM_TRY_AGAIN, message->text);
+    }
+    return status == SVO_OK ? PROGRAM_DONE : parts_fail(state, status, message->text);
+}
+
 static int stitch(program *state, const svo_parts *parts, const char *path)
 {
     svo_message message;
     const svo_status status = svo_parts_finish(parts, path, &message);
-    if ((status == SVO_FILE_ERROR || status == SVO_FILE_DAMAGED) && lacks_parts(parts)) {
-        return program_fail_status(state, PROGRAM_TRY_AGAIN, message.text);
-    }
-    return status == SVO_OK ? PROGRAM_DONE : parts_fail(state, status, message.text);
+    return end_stitch(state, parts, status, &message);
+}
+
+int parts_begin_shares(program *state, const svo_parts *parts, unsigned count)
+{
+    svo_message message;
+    const svo_status status = svo_parts_shares_begin(parts, count, &message);
+    return end_stitch(state, parts, status, &message);
+}
+
+int parts_write_share(program *state, const svo_parts *parts, unsigned index, unsigned count)
+{
+    svo_message message;
+    const svo_status status = svo_parts_shares_write(parts, index, count, &message);
+    return end_stitch(state, parts, status, &message);
+}
+
+int parts_finish_shares(program *state, const svo_parts *parts, unsigned count, const char *path)
+{
+    svo_message message;
+    const svo_status status = svo_parts_shares_finish(parts, count, path, &message);
+    return end_stitch(state, parts, status, &message);
 }
 
 /* A stitched file as a compact tree with host arrays. */

@@ -37,5 +37,9 @@ int parts_build(program *state, session *opened, const svo_parts *parts, size_t 
    a compact tree of them, for which the tree must fit on the device and in memory, and its .svo file in a temporary
    folder. */
 int parts_finish(program *state, const session *opened, const svo_parts *parts, const char *path);
+/* Begins shares of the file, writes one of them, or gives the file its name when all are written. */
+int parts_begin_shares(program *state, const svo_parts *parts, unsigned count);
+int parts_write_share(program *state, const svo_parts *parts, unsigned index, unsigned count);
+int parts_finish_shares(program *state, const svo_parts *parts, unsigned count, const char *path);
 
 #endif

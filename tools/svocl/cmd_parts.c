@@ -29,7 +29,7 @@ static int take_only(program *state, uint64_t groups, const char *const names[])
 /* Parts are planned without a front end. */
 static int check_plan(program *state)
 {
-    static const char *const of_builds[] = {"part", NULL};
+    static const char *const of_builds[] = {"part", "shares", NULL};
     static const char where[] = "to parts plan";
     if (options_refuse(state, of_builds, where) != PROGRAM_DONE ||
         options_refuse_groups(state, OPTION_METHODS | OPTION_TREE_FORM, where) != PROGRAM_DONE) {
@@ -191,6 +191,9 @@ static char *path_of_folder(const char *folder)
 static int stitch_to(program *state, const svo_parts *parts, const char *path)
 {
     session opened = {0};
+    if (state->options.shares > 0) {
+        return parts_finish_shares(state, parts, (unsigned)state->options.shares, path);
+    }
     int exit_code = state->options.tree_form != 0 ? open_device(state, &opened) : PROGRAM_DONE;
     if (exit_code == PROGRAM_DONE) {
         exit_code = parts_finish(state, &opened, parts, path);
@@ -199,10 +202,31 @@ static int stitch_to(program *state, const svo_parts *parts, const char *path)
     return exit_code;
 }
 
+/* Begins shares, or writes the one that --part names. */
+static int share(program *state, const svo_parts *parts)
+{
+    const char *asked = state->options.part;
+    const unsigned count = (unsigned)state->options.shares;
+    char *end = NULL;
+    if (count == 0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "parts share needs --shares N");
+    }
+    if (asked == NULL) {
+        return parts_begin_shares(state, parts, count);
+    }
+    const unsigned long long index = strtoull(asked, &end, 10);
+    return asked[0] >= '0' && asked[0] <= '9' && *end == '\0' && index < count
+               ? parts_write_share(state, parts, (unsigned)index, count)
+               : program_fail(state, PROGRAM_WRONG_USAGE, "--part '%s' is not a number below %u", asked, count);
+}
+
 /* -o, or the folder's name without its suffix. */
 static int stitch(program *state, const svo_parts *parts)
 {
     const options *given = &state->options;
+    if (given->tree_form != 0 && given->shares > 0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--shares does not apply with --tree-form");
+    }
     if (given->tree_form == 0 &&
         options_refuse_groups(state, OPTION_DEVICE, "to parts stitch without --tree-form") != PROGRAM_DONE) {
         return PROGRAM_WRONG_USAGE;
@@ -247,7 +271,8 @@ static const struct {
     bool holds; /* a lease of the folder, so that nobody plans meanwhile */
 } actions[] = {{"build", build_parts_of, OPTION_DEVICE | OPTION_METHODS, {"part", "max-memory", NULL}, true},
                {"status", status, OPTION_JSON, {NULL}, false},
-               {"stitch", stitch, OPTION_OUTPUT | OPTION_TREE_FORM | OPTION_DEVICE, {NULL}, true}};
+               {"share", share, 0, {"shares", "part", NULL}, true},
+               {"stitch", stitch, OPTION_OUTPUT | OPTION_TREE_FORM | OPTION_DEVICE, {"shares", NULL}, true}};
 
 /* Opens the folder for an action, and runs it. A folder that is not there is not made. */
 static int run_action(program *state, int (*run)(program *state, const svo_parts *parts), bool holds)
@@ -285,6 +310,6 @@ int command_parts(program *state)
             return exit_code == PROGRAM_DONE ? run_action(state, actions[i].run, actions[i].holds) : exit_code;
         }
     }
-    return program_fail(state, PROGRAM_WRONG_USAGE, "ACTION '%s' is none of plan, build, status, stitch, remove",
+    return program_fail(state, PROGRAM_WRONG_USAGE, "ACTION '%s' is none of plan, build, status, share, stitch, remove",
                         action);
 }

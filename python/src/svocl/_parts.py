@@ -254,6 +254,46 @@ class Parts(Handle):
         """
         self._ask(lib.svo_parts_finish, encode(path))
 
+    def begin_shares(self, count: int) -> None:
+        """Begins to stitch by shares, which any number of processes write side by side: begin_shares once, write_share
+        for each index, finish_shares when all are written. The file is the one of finish, byte for byte. Each may be
+        called again; what is there stays.
+
+        Args:
+            count: of shares, 1 to 65536.
+
+        Raises:
+            FileError: a part is missing, or a file cannot be written.
+            FileDamagedError: a part is damaged.
+            UnavailableError: the folder was planned anew since it was opened, or there is no space.
+            CapacityExceededError: the tree has too many nodes for a file.
+        """
+        self._ask(lib.svo_parts_shares_begin, _arrays.integer("count", count))
+
+    def write_share(self, index: int, count: int) -> None:
+        """Writes a share, unless it is written; in any process that sees the folder.
+
+        Args:
+            index: below count.
+            count: as begin_shares was told.
+
+        Raises:
+            UnavailableError: the shares have not been begun, or are finished, and what begin_shares raises.
+        """
+        self._ask(lib.svo_parts_shares_write, _arrays.integer("index", index), _arrays.integer("count", count))
+
+    def finish_shares(self, count: int, path: Path) -> None:
+        """Completes the file and gives it its name, when all shares are written.
+
+        Args:
+            count: as begin_shares was told.
+            path: on the file system of the folder.
+
+        Raises:
+            UnavailableError: a share is not written, or they have not been begun, and what begin_shares raises.
+        """
+        self._ask(lib.svo_parts_shares_finish, _arrays.integer("count", count), encode(path))
+
     def _ask(self, function: Any, *arguments: Any) -> str:
         """Calls function(pointer, *arguments, message); returns the message, raises the status."""
         message = ffi.new("svo_message *")

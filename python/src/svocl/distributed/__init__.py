@@ -7,14 +7,14 @@
     with svocl.PartsPlanning(device, "/shared/model.ply", 14, "/shared/model.svo.parts", 2 << 30, 64) as planning:
         parts = svocl.distributed.plan_parts(client, planning, device)  # a distributed.Client
     svocl.distributed.build_parts(client, parts)
-    parts.finish("/shared/model.svo")
+    svocl.distributed.stitch_parts(client, parts, "/shared/model.svo", 64)
 
 Scheduler and workers need this package installed. A part is a pure function of the plan and its triangles, so it does
 not matter which worker builds it, in which order, or how often. Parts that are there stay, so a job that ended early
 goes on from there when it is started again.
 """
 
-from ._plan import plan_parts
+from ._plan import plan_parts, stitch_parts
 from ._run import Interrupted, Refused, Share, Summary, build_parts
 
-__all__ = ["Interrupted", "Refused", "Share", "Summary", "build_parts", "plan_parts"]
+__all__ = ["Interrupted", "Refused", "Share", "Summary", "build_parts", "plan_parts", "stitch_parts"]

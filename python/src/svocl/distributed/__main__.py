@@ -23,8 +23,9 @@ from typing import Any, NoReturn, Optional
 
 import svocl
 
-from ._plan import plan_parts
+from ._plan import plan_parts, stitch_parts
 from ._run import Interrupted, Refused, Share, Summary, build_parts
+from ._steps import Clock
 from ._tasks import PASSING, worker_ttl
 
 DONE, FAILED, WRONG_USAGE, TRY_AGAIN, STOPPED = 0, 1, 2, 75, 130
@@ -32,6 +33,8 @@ NAME = "svocl.distributed"
 CLOSE_SECONDS = 10
 RANGE_BYTES = 16 << 20
 """Of a mesh file, for which a task of planning is worth it."""
+SHARE_BYTES = 32 << 20
+"""Of parts, for which a share of the file is worth a task."""
 PASSING_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.ESTALE, errno.ETIMEDOUT, errno.EMFILE, errno.ENFILE)
 """Of files that Python writes: a later try may succeed."""
 SETTINGS: dict[str, Any] = {
@@ -73,19 +76,28 @@ def run(options: argparse.Namespace) -> int:
     folder = f"{options.output}.parts"
     times: dict[str, float] = {}
     report = Report(options.quiet)
+    steps = Steps()
     with svocl.Parts.lease(folder), contextlib.ExitStack() as opened, contextlib.closing(report):
         most_ranges = ranges_of(options)
         pool = Pool(options, opened, report, times)
         client = pool.client() if most_ranges > 1 else None
         with measured(times, "plan"):
-            parts = plan_by_workers(options, folder, client, most_ranges, report) if client else plan(options, folder)
+            parts = plan_by_workers(options, folder, client, most_ranges, report, steps) if client else None
+            if parts is None:
+                with Clock(steps.add, "plan 1"):
+                    parts = plan(options, folder)
         with parts:
+            steps.note("triangles", bytes_of_triangles(parts))
             with measured(times, "build"):
-                summary = build(options, parts, pool.client(), report)
+                summary = build(options, parts, pool.client(), report, steps)
+            steps.note("parts", bytes_of_parts(parts))
             with measured(times, "stitch"):
-                finish(parts, options.output)
+                finish(options, parts, pool.client(), report, steps)
+            steps.note("file", os.path.getsize(options.output))
         if not options.keep:
             svocl.Parts.remove(folder)
+    if options.times:
+        steps.save(options.times, times)
     tell(options, summary, times)
     return DONE
 
@@ -127,9 +139,9 @@ def plan(options: argparse.Namespace, folder: str) -> svocl.Parts:
 
 
 def plan_by_workers(
-    options: argparse.Namespace, folder: str, client: Any, most_ranges: int, report: "Report"
-) -> svocl.Parts:
-    """Fills the folder by workers, where the mesh can be read by ranges."""
+    options: argparse.Namespace, folder: str, client: Any, most_ranges: int, report: "Report", steps: "Steps"
+) -> Optional[svocl.Parts]:
+    """Fills the folder by workers, where the mesh can be read by ranges; None: it cannot."""
     threads = sum(client.ncores().values())
     ranges = options.ranges or max(1, min(most_ranges, 2 * threads))
     places = (os.path.abspath(options.mesh), options.depth, os.path.abspath(folder))
@@ -137,7 +149,8 @@ def plan_by_workers(
         try:
             planning = svocl.PartsPlanning(device, *places, options.max_memory, ranges, **plan_options(options))
         except svocl.UnsupportedError:
-            return plan(options, folder)
+            return None
+        steps.note("mesh", os.path.getsize(options.mesh))
         with planning:
             return plan_parts(
                 client,
@@ -146,6 +159,7 @@ def plan_by_workers(
                 worker_device=options.device,
                 patience=options.patience,
                 report=report.line,
+                record=steps.add,
             )
 
 
@@ -163,17 +177,48 @@ def plan_by_program(options: argparse.Namespace) -> None:
         raise Failed(done.returncode if done.returncode > 0 else FAILED, f"this failed: {' '.join(command)}")
 
 
-def finish(parts: svocl.Parts, path: str) -> None:
+def bytes_of_parts(parts: svocl.Parts) -> int:
+    return sum(entry.stat().st_size for entry in os.scandir(parts.folder) if entry.name.endswith(".part"))
+
+
+def bytes_of_triangles(parts: svocl.Parts) -> int:
+    place = os.path.join(parts.folder, parts.identity)
+    return sum(entry.stat().st_size for entry in os.scandir(place) if entry.name.endswith(".tri"))
+
+
+def shares_of(options: argparse.Namespace, parts: svocl.Parts, client: Any) -> int:
+    """How many shares of the file workers write; 1: this process writes all."""
+    is_beside = os.stat(parts.folder).st_dev == os.stat(os.path.dirname(os.path.realpath(options.output))).st_dev
+    if options.no_shared_folder or not is_beside:
+        return 1
+    threads = sum(client.ncores().values())
+    return int(options.shares or max(1, min(bytes_of_parts(parts) // SHARE_BYTES, 2 * threads)))
+
+
+def finish(options: argparse.Namespace, parts: svocl.Parts, client: Any, report: "Report", steps: "Steps") -> None:
     """Stitches. What is missing or damaged by then is built by the next try."""
     try:
-        parts.finish(path)
+        shares = shares_of(options, parts, client)
+        if shares == 1:
+            with Clock(steps.add, "stitch"):
+                parts.finish(options.output)
+        else:
+            stitch_parts(
+                client,
+                parts,
+                options.output,
+                shares,
+                patience=options.patience,
+                report=report.line,
+                record=steps.add,
+            )
     except (svocl.FileError, svocl.FileDamagedError) as problem:
         if all(parts.is_built(index) for index in range(len(parts))):
             raise
         raise Interrupted(f"{problem}; the same command builds it") from problem
 
 
-def build(options: argparse.Namespace, parts: svocl.Parts, client: Any, report: "Report") -> Summary:
+def build(options: argparse.Namespace, parts: svocl.Parts, client: Any, report: "Report", steps: "Steps") -> Summary:
     return build_parts(
         client,
         parts,
@@ -181,6 +226,7 @@ def build(options: argparse.Namespace, parts: svocl.Parts, client: Any, report: 
         device=options.device,
         patience=options.patience,
         report=report.parts,
+        record=steps.add,
     )
 
 
@@ -189,6 +235,24 @@ def measured(times: dict[str, float], name: str) -> Iterator[None]:
     begin = time.perf_counter()
     yield
     times[name] = time.perf_counter() - begin
+
+
+class Steps:
+    """The times of all tasks by steps of the job, and bytes of its files: what svocl.distributed.model reads."""
+
+    def __init__(self) -> None:
+        self.tasks: dict[str, list[tuple[float, float]]] = {}
+        self.bytes: dict[str, int] = {}
+
+    def add(self, name: str, seconds: float, cpu_seconds: float) -> None:
+        self.tasks.setdefault(name, []).append((seconds, cpu_seconds))
+
+    def note(self, name: str, count: int) -> None:
+        self.bytes[name] = count
+
+    def save(self, path: str, times: dict[str, float]) -> None:
+        with open(path, "w") as file:
+            json.dump({"tasks": self.tasks, "bytes": self.bytes, "seconds": times}, file)
 
 
 # --- the cluster ------------------------------------------------------------------------------------------------------
@@ -372,6 +436,9 @@ def read_options(arguments: Optional[list[str]] = None) -> argparse.Namespace:
     add("--max-memory", type=read_bytes, default=0, metavar="BYTES", help="of one part: 65536, 512M, 4G")
     add("--ranges", type=read_count, default=0, metavar="N", help="ranges of the mesh file that workers plan by "
         "(as its size and the workers ask for)")  # fmt: skip
+    add("--shares", type=read_count, default=0, metavar="N", help="shares of the file that workers write side by side "
+        "(as its size and the workers ask for)")  # fmt: skip
+    add("--times", metavar="FILE", help="write the times of all tasks, for python -m svocl.distributed.model")
     add("--no-shared-folder", action="store_true", help="send triangles to workers and take parts back as bytes, "
         "also where a worker sees the folder")  # fmt: skip
     add("--need", type=read_needs, metavar="LIST", help="comma-separated: color, normal, rays, material, fill, ...")

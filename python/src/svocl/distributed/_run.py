@@ -54,6 +54,7 @@ def build_parts(
     device: Optional[str] = None,
     patience: float = 900.0,
     report: Optional[Callable[[int, int, str], None]] = None,
+    record: Optional[Callable[[str, float, float], None]] = None,
 ) -> Summary:
     """Builds the parts that are missing, the largest estimate first.
 
@@ -66,17 +67,21 @@ def build_parts(
         patience: seconds in which no part arrives, after which the job ends.
         report: called with the number of parts that are there, the number of all, and a line about what happened,
             or "".
+        record: called with "build", or "first build" of a worker, and the seconds and CPU seconds of each part.
 
     Raises:
         Interrupted: the scheduler is gone, workers died or failed, or patience is over. str() says what is missing.
         Refused: a part cannot be built at all; str() is the library's message.
     """
-    return _Run(client, parts, shared_folder, device, patience, report or (lambda there, count, line: None)).run()
+    run = _Run(client, parts, shared_folder, device, patience, report or (lambda there, count, line: None))
+    run.record = record
+    return run.run()
 
 
 class _Run:
     def __init__(self, client: Any, parts: Parts, shared: bool, device: Any, patience: float, report: Any) -> None:
         self.client, self.shared, self.device, self.patience, self.report = client, shared, device, patience, report
+        self.record: Optional[Callable[[str, float, float], None]] = None
         self.folder = os.path.abspath(parts.folder)
         self.entries = parts.entries
         missing = [index for index in range(len(self.entries)) if not parts.is_built(index)]
@@ -225,6 +230,8 @@ class _Run:
             self._write(name, content)
         share = self.workers.get(built.worker, Share(0, 0.0))
         self.workers[built.worker] = Share(share.parts + 1, share.seconds + built.seconds)
+        if self.record:
+            self.record("first build" if built.is_first else "build", built.seconds, built.cpu_seconds)
         self.there += 1
         self._say("")
 

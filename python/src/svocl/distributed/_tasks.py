@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""What a worker does: builds one part in a folder that it shares with the client, or in one of its own."""
+"""What a worker does: plans a range, builds one part in a folder that it shares with the client, or in one of its own,
+writes a share of the file."""
 
 import hashlib
 import importlib
@@ -64,6 +65,10 @@ class Built(NamedTuple):
     worker: str
     """Its address."""
     seconds: float = 0.0
+    cpu_seconds: float = 0.0
+    """Of the worker's process."""
+    is_first: bool = False
+    """The worker opened its device for this part, and loaded the kernels."""
     is_shared: bool = True
     """False: the worker does not see the client's folder, and has built nothing."""
     files: Optional[dict[str, bytes]] = None
@@ -119,32 +124,53 @@ def _read_files(work: Work, folder: str) -> dict[str, bytes]:
     return files
 
 
-class Planned(NamedTuple):
-    """What comes of a task of svocl.PartsPlanning."""
+class Done(NamedTuple):
+    """What comes of a task of svocl.PartsPlanning, or of a share of the file."""
 
     worker: str
     """Its address."""
     seconds: float = 0.0
+    cpu_seconds: float = 0.0
+    """Of the thread that did it."""
     result: bytes = b""
     failure: str = ""
     """Not "": why there is no result."""
 
 
-def plan_range(task: bytes, name: Optional[str]) -> Planned:
+def plan_range(task: bytes, name: Optional[str]) -> Done:
     """Does a task of planning. A worker does one for each of its threads, each on a device of its own.
 
     Args:
         task: of svocl.PartsPlanning.task.
         name: of the device, see Work.device.
     """
-    begin = time.perf_counter()
+    begin, begin_cpu = time.perf_counter(), time.thread_time()
     try:
         if getattr(_planner, "device", None) is None:
             _planner.device = Device(os.environ.get("SVOCL_DEVICE", name))
         result = PartsPlanning.work(_planner.device, task)
     except Error as problem:
-        return Planned(_address(), failure=str(problem))
-    return Planned(_address(), time.perf_counter() - begin, result)
+        return Done(_address(), failure=str(problem))
+    return Done(_address(), time.perf_counter() - begin, time.thread_time() - begin_cpu, result)
+
+
+def write_share(folder: str, identity: str, index: int, count: int) -> Done:
+    """Writes a share of the file.
+
+    Args:
+        folder: the client's folder of parts.
+        identity: of its plan: a folder of that name on another machine may be another one.
+        index, count: of svocl.Parts.write_share.
+    """
+    begin, begin_cpu = time.perf_counter(), time.thread_time()
+    try:
+        with Parts(folder) as parts:
+            if parts.identity != identity:
+                return Done(_address(), failure=f"{folder} is another folder here: it has plan {parts.identity}")
+            parts.write_share(index, count)
+    except Error as problem:
+        return Done(_address(), failure=str(problem))
+    return Done(_address(), time.perf_counter() - begin, time.thread_time() - begin_cpu)
 
 
 def worker_ttl(dask_scheduler: Any) -> Optional[float]:
@@ -162,15 +188,17 @@ def _build(work: Work, folder: str) -> Built:
     """Failures come back as words: an exception's traceback may be what the client cannot read."""
     # All threads of a worker are PoCL's, so a worker builds one part at a time.
     with _lock:
-        begin = time.perf_counter()
+        begin, begin_cpu = time.perf_counter(), time.process_time()
         name = os.environ.get("SVOCL_DEVICE", work.device)
+        is_first = name not in _devices
         try:
             with Parts(folder) as parts:
                 parts.build(work.place, _open_device(name))
         except Error as problem:
             _close_device(name)
             return Built(_address(), failure=str(problem), is_final=not isinstance(problem, RETRIED))
-        return Built(_address(), seconds=time.perf_counter() - begin)
+        seconds, cpu_seconds = time.perf_counter() - begin, time.process_time() - begin_cpu
+        return Built(_address(), seconds=seconds, cpu_seconds=cpu_seconds, is_first=is_first)
 
 
 def _open_device(name: Optional[str]) -> Device:
