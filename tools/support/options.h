@@ -242,6 +242,12 @@ typedef struct options {
     const char *page_path, *csv_path, *resume_path; /* tune, the first two of bench too: NULL: not given */
 } options;
 
+/* The option that asks for packed payload, without dashes; NULL: none. */
+static inline const char *options_packing(const options *given)
+{
+    return given->has_color_error ? "color-error" : given->normal_bits != 0 ? "normal-bits" : NULL;
+}
+
 enum option_output {
     OPTION_OUTPUT_BYTES = 0, /* a file of bytes that no terminal shows */
     OPTION_OUTPUT_TEXT, /* a file of text */

@@ -226,9 +226,8 @@ static int check_together(program *state, const command *which)
         return program_fail(state, PROGRAM_WRONG_USAGE, "--%s requires --tree-form",
                             given->minimize ? "minimize" : "directory-step");
     }
-    if (given->tree_form == 0 && (given->has_color_error || given->normal_bits != 0)) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s requires --tree-form",
-                            given->has_color_error ? "color-error" : "normal-bits");
+    if (given->tree_form == 0 && options_packing(given) != NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s requires --tree-form", options_packing(given));
     }
     if (given->directory_step_log2 != 0 && given->tree_form != 1 + SVO_FORM_IMPLIED) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--directory-step requires --tree-form implied");

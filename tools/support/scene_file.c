@@ -12,7 +12,6 @@
 #include "support/scene_motion.h"
 #include "support/scene_place.h"
 #include "support/suggest.h"
-#include "support/tree_form.h"
 
 #define PI 3.14159265358979323846
 
@@ -67,7 +66,7 @@ static int read_scene_form(const json_source *source, scene_file *file)
 static int unite_forms(const json_source *source, scene_file *file)
 {
     const int asked = source->state->options.tree_form;
-    const char *packing = tree_form_packing(&source->state->options);
+    const char *packing = options_packing(&source->state->options);
     if (packing != NULL) {
         return program_fail(source->state, PROGRAM_WRONG_USAGE, "--%s: scenes hold payload unpacked", packing);
     }

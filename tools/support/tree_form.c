@@ -33,16 +33,10 @@ bool tree_form_is_plain(const svo_compact *compact)
 
 /* ---- packing ---- */
 
-const char *tree_form_packing(const options *given)
-{
-    return given->has_color_error ? "color-error" : given->normal_bits != 0 ? "normal-bits" : NULL;
-}
-
 bool tree_form_keeps(const program *state, const svo_compact *compact)
 {
     const svo_compact_options asked = tree_form_options(&state->options);
-    return tree_form_fits(compact, &asked) &&
-           (tree_form_packing(&state->options) == NULL || tree_form_is_plain(compact));
+    return tree_form_fits(compact, &asked) && (options_packing(&state->options) == NULL || tree_form_is_plain(compact));
 }
 
 int tree_form_pack(program *state, const session *opened, svo_compact **compact)
@@ -51,7 +45,7 @@ int tree_form_pack(program *state, const session *opened, svo_compact **compact)
     const svo_pack_options asked = {.struct_size = sizeof asked,
                                     .color_error = (uint32_t)state->options.color_error,
                                     .normal_bits = (uint32_t)state->options.normal_bits};
-    if (tree_form_packing(&state->options) == NULL) {
+    if (options_packing(&state->options) == NULL) {
         return PROGRAM_DONE;
     }
     if (svo_compact_pack(*compact, &asked, opened->queue, &packed) != SVO_OK) {

@@ -22,9 +22,6 @@ bool tree_form_fits(const svo_compact *compact, const svo_compact_options *asked
 /* Whether it can stay where other payload than packed is wanted, or packed in another way. */
 bool tree_form_is_plain(const svo_compact *compact);
 
-/* The option that asks for packed payload, without dashes; NULL: none. */
-const char *tree_form_packing(const options *given);
-
 /* Puts one with packed payload in its place where --color-error or --normal-bits ask for it. Returns the exit code. */
 int tree_form_pack(program *state, const session *opened, svo_compact **compact);
 

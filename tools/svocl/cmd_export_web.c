@@ -146,8 +146,8 @@ static int check_form(program *state)
         return program_fail(state, PROGRAM_WRONG_USAGE, "--tree-form %s: pages hold trees in form implied alone",
                             svo_name(SVO_NAME_FORM, (svo_form)(given->tree_form - 1)));
     }
-    if (tree_form_packing(given) != NULL) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s: pages hold payload unpacked", tree_form_packing(given));
+    if (options_packing(given) != NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s: pages hold payload unpacked", options_packing(given));
     }
     return given->directory_step_log2 == 0 || given->directory_step_log2 == (int)WEB_DIRECTORY_STEP_LOG2
                ? PROGRAM_DONE
