@@ -133,7 +133,7 @@ typedef struct svo_points_info {
  *
  * \param source the file
  * \returns SVO_VOXEL_FORMAT_LAS or SVO_VOXEL_FORMAT_LAZ; SVO_VOXEL_FORMAT_PLY for a .ply file that declares vertices
- *          and neither faces nor strips; SVO_VOXEL_FORMAT_AUTO for all else, also what cannot be read. */
+ *          and no faces or strips, or none of them; SVO_VOXEL_FORMAT_AUTO for all else, also what cannot be read. */
 SVO_API svo_voxel_format svo_points_format(svo_source source);
 
 /** Reads a .ply or .las file; its bytes say which. The voxels of the list have the mean color of their points: the sum

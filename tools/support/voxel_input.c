@@ -101,6 +101,10 @@ int voxel_input_check_options(program *state, uint32_t need)
         return PROGRAM_WRONG_USAGE;
     }
     const uint32_t known = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_NONE;
+    if ((need & ~known) != 0 && points_input_is_given(state)) { /* whose suffix may be that of a mesh */
+        return program_fail(state, PROGRAM_FAILED, "%s: no triangles: points have colors and counts, but no %s",
+                            given->input, figure_needs(need & ~known).text);
+    }
     if ((need & ~known) != 0) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "%s holds voxels, which have colors and materials, but no %s",
                             given->input, figure_needs(need & ~known).text);
