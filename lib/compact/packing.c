@@ -239,7 +239,7 @@ static void center_colors(const packer *p, const element *values, uint32_t count
                 continue; /* others are nearer to all of its values */
             }
             const uint32_t first = high > p->error[c] ? high - p->error[c] : 0;
-            const uint32_t mean = (uint32_t)((2 * sum + members) / (2 * members));
+            const uint32_t mean = (uint32_t)((2 * sum + members) / ((uint64_t)2 * members));
             const uint32_t last = low + p->error[c];
             made->palette[k][c] = (uint16_t)(mean < first ? first : mean > last ? last : mean);
         }

@@ -120,7 +120,8 @@ static void give_parts(const svo_i_stitcher *s, uint64_t copied, uint64_t fair, 
         const bool is_last = i + 1 == layout->share_count;
         while (piece < s->all.piece_count) {
             const uint64_t cost = COPY_COST * svo_i_chunks_part_bytes(s, &s->all.pieces[piece]);
-            if (!is_last && (double)(given + cost / 2) > (double)room * scale) {
+            const uint64_t middle = given + cost / 2;
+            if (!is_last && (double)middle > (double)room * scale) {
                 break;
             }
             layout->shares[piece++] = i;
