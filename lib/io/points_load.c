@@ -537,7 +537,8 @@ svo_status svo_points_collect(const svo_points_source *source, const svo_points_
                               svo_points_info *info, svo_message *message)
 {
     svo_points_source given;
-    point_cloud cloud = {.function = "svo_points_collect", .reader = {.message = message, .file = {.file = -1}}};
+    point_cloud cloud = {.function = "svo_points_collect", .reader = {.message = message}};
+    cloud.reader.file.file = -1;
     if (source == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: source is NULL", cloud.function);
     }

@@ -88,7 +88,7 @@ static uint32_t find_least(const uint64_t *loads, uint32_t count)
 /* Gives each chunk to a share. Small ones stay together, since a share opens all parts for its chunks. */
 static void give_chunks(const svo_i_stitcher *s, uint64_t fair, uint64_t *loads, svo_i_layout *layout)
 {
-    weighed_chunk chunks[FILE_CHUNKS_MAX];
+    weighed_chunk chunks[FILE_CHUNKS_MAX] = {{.cost = 0}};
     uint32_t share = 0;
     for (uint32_t i = 0; i < s->filling_count; ++i) {
         const bool is_of_parts = svo_i_chunks_are_of_parts(s, s->fillings[i].entry.buffer);
