@@ -53,8 +53,8 @@ static void check_again(svo_source source, svo_points_options options, const svo
         REQUIRE(svo_voxels_get_info(voxels, &one) == SVO_OK && svo_voxels_get_info(again, &other) == SVO_OK);
         REQUIRE(one.voxel_count == other.voxel_count && one.depth == other.depth &&
                 one.material_count == other.material_count && one.voxel_edge == other.voxel_edge &&
-                memcmp(one.low, other.low, sizeof one.low) == 0 &&
-                memcmp(one.origin, other.origin, sizeof one.origin) == 0);
+                one.origin[0] == other.origin[0] && one.origin[1] == other.origin[1] &&
+                one.origin[2] == other.origin[2] && memcmp(one.low, other.low, sizeof one.low) == 0);
         REQUIRE(memcmp(svo_voxels_get(voxels), svo_voxels_get(again), one.voxel_count * sizeof(svo_voxel)) == 0);
     }
     svo_voxels_destroy(&again);
