@@ -315,7 +315,8 @@ static svo_status make_list(point_cloud *cloud, cell_set *cells, svo_voxels **ou
                                 .voxel_edge = cloud->info.voxel_edge,
                                 .memory = cloud->options.memory};
     if (voxels == NULL || counts == NULL) {
-        SVO_I_TRY_CLEANUP(svo_i_points_fail(&cloud->reader, SVO_OUT_OF_HOST_MEMORY, "no memory for %zu voxels", count));
+        status = svo_i_points_fail(&cloud->reader, SVO_OUT_OF_HOST_MEMORY, "no memory for %zu voxels", count);
+        goto cleanup;
     }
     for (size_t i = 0; i < count; ++i) {
         const point_cell *cell = &cells->runs[0].cells[i];
