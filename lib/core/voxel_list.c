@@ -5,12 +5,14 @@
  */
 #include "core/voxel_list.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "shared/nodes.clh"
 
 #define DIGIT_BITS 11u
 #define DIGITS     (1u << DIGIT_BITS)
+#define PLACE_MAX  0x1p50 /* whole numbers up to here are doubles, and so are their neighbors */
 
 static void cell_of(const svo_voxel *voxel, const int32_t low[3], uint32_t cell[3])
 {
@@ -77,4 +79,19 @@ uint32_t svo_i_voxel_bits(const int32_t low[3], const int32_t high[3])
         }
     }
     return bits;
+}
+
+double svo_i_voxel_plane(double value, double width)
+{
+    double place = floor(value / width);
+    if (!(fabs(place) < PLACE_MAX)) {
+        return NAN;
+    }
+    while (place * width > value) {
+        place -= 1.0;
+    }
+    while ((place + 1.0) * width <= value) {
+        place += 1.0;
+    }
+    return place * width + 0.0; /* + 0.0 turns -0 into 0; their hashes differ */
 }

@@ -44,6 +44,9 @@ uint32_t svo_i_voxel_bits(const int32_t low[3], const int32_t high[3]);
 /* The Morton code of a voxel's place. */
 uint64_t svo_i_voxel_code(const svo_voxel *voxel, const int32_t low[3]);
 
+/* The greatest multiple of the width that, as a double, is at most value; NaN where there is none. */
+double svo_i_voxel_plane(double value, double width);
+
 SVO_I_SHARED_END
 
 #endif

@@ -19,6 +19,18 @@ size_t svo_i_ply_type_bytes(ply_type type)
     return bytes[type];
 }
 
+size_t svo_i_ply_fixed_bytes(const ply_element *element)
+{
+    size_t bytes = 0;
+    for (size_t i = 0; i < element->property_count; ++i) {
+        if (element->properties[i].count_type != PLY_NO_TYPE) {
+            return 0;
+        }
+        bytes += svo_i_ply_type_bytes(element->properties[i].type);
+    }
+    return bytes;
+}
+
 size_t svo_i_ply_find(const ply_element *element, const char *name)
 {
     size_t i = 0;

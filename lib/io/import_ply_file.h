@@ -56,6 +56,8 @@ void svo_i_ply_header_free(ply_header *header);
 
 /* Bytes of a value in a binary file. */
 size_t svo_i_ply_type_bytes(ply_type type);
+/* Bytes of an instance of an element; 0: it has lists. */
+size_t svo_i_ply_fixed_bytes(const ply_element *element);
 /* The property of this name; property_count: there is none. */
 size_t svo_i_ply_find(const ply_element *element, const char *name);
 

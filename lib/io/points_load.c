@@ -16,7 +16,6 @@
 #include "shared/nodes.clh"
 
 #define COORDINATE_MAX 0x1p30 /* of a voxel of a list */
-#define PLACE_MAX      0x1p50 /* whole numbers up to here are doubles, and so are their neighbors */
 #define BLOCK_MAX      ((size_t)1 << 20) /* points that are sorted at a time */
 #define BLOCK_MIN      ((size_t)1 << 12)
 #define BLOCK_SHARE    4 /* the part of memory that blocks take, and no more */
@@ -47,22 +46,6 @@ typedef struct cloud {
 static double place_of(const svo_points_info *info, size_t axis, double at)
 {
     return floor((at - info->origin[axis]) / info->voxel_edge);
-}
-
-/* The greatest multiple of the width that, as a double, is at most value; not finite where there is none. */
-static double plane_below(double value, double width)
-{
-    double place = floor(value / width);
-    if (!(fabs(place) < PLACE_MAX)) {
-        return NAN;
-    }
-    while (place * width > value) {
-        place -= 1.0;
-    }
-    while ((place + 1.0) * width <= value) {
-        place += 1.0;
-    }
-    return place * width + 0.0; /* + 0.0 turns -0 into 0; their hashes differ */
 }
 
 /* 2^depth voxels along the longest axis of the bounds. */
@@ -102,7 +85,7 @@ static svo_status make_grid(point_cloud *cloud)
     if (cloud->options.voxel_edge > 0.0) {
         info->voxel_edge = cloud->options.voxel_edge;
         for (size_t axis = 0; axis < 3; ++axis) {
-            info->origin[axis] = plane_below(info->low[axis], info->voxel_edge);
+            info->origin[axis] = svo_i_voxel_plane(info->low[axis], info->voxel_edge);
         }
     } else if (cloud->options.edge <= 0.0) {
         fit_grid(cloud);

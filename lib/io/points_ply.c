@@ -52,19 +52,6 @@ static bool is_wide(ply_type type)
     return is_fraction(type) || type == PLY_UINT16 || type == PLY_INT16;
 }
 
-/* Bytes of an instance; 0: it has a list. */
-static size_t fixed_bytes(const ply_element *element)
-{
-    size_t bytes = 0;
-    for (size_t i = 0; i < element->property_count; ++i) {
-        if (element->properties[i].count_type != PLY_NO_TYPE) {
-            return 0;
-        }
-        bytes += svo_i_ply_type_bytes(element->properties[i].type);
-    }
-    return bytes;
-}
-
 /* The place of each value of a vertex. Of several for one component the last one counts. */
 static svo_status note_values(points_reader *reader, const ply_element *vertices)
 {
@@ -100,7 +87,7 @@ static svo_status note_values(points_reader *reader, const ply_element *vertices
 /* Adds what an element before the vertices takes. */
 static svo_status pass_element(points_reader *reader, const ply_element *element, bool is_text)
 {
-    const size_t bytes = fixed_bytes(element);
+    const size_t bytes = svo_i_ply_fixed_bytes(element);
     const uint64_t left = reader->file.byte_count - reader->begin;
     if (element->count == 0 || element->property_count == 0) {
         return SVO_OK;
@@ -122,7 +109,7 @@ static svo_status pass_element(points_reader *reader, const ply_element *element
 static svo_status take_vertices(points_reader *reader, const ply_element *vertices, bool is_text)
 {
     SVO_I_TRY(note_values(reader, vertices));
-    const size_t bytes = fixed_bytes(vertices);
+    const size_t bytes = svo_i_ply_fixed_bytes(vertices);
     const uint64_t left = reader->file.byte_count - reader->begin;
     if (bytes == 0) {
         return svo_i_points_fail(reader, SVO_UNSUPPORTED, "element vertex has a list");

@@ -190,19 +190,6 @@ struct blocks_ply {
 
 /* ---- PLY: the header ---- */
 
-/* Bytes of an element's instance; 0: it has lists. */
-static size_t fixed_bytes(const ply_element *element)
-{
-    size_t bytes = 0;
-    for (size_t i = 0; i < element->property_count; ++i) {
-        if (element->properties[i].count_type != PLY_NO_TYPE) {
-            return 0;
-        }
-        bytes += svo_i_ply_type_bytes(element->properties[i].type);
-    }
-    return bytes;
-}
-
 /* Why a file is imported whole, or NULL. */
 static const char *why_whole(blocks_ply *ply)
 {
@@ -222,7 +209,7 @@ static const char *why_whole(blocks_ply *ply)
     if (header->format == PLY_ASCII) {
         return "a PLY file in text";
     }
-    if (ply->faces == NULL || fixed_bytes(ply->vertices) == 0) {
+    if (ply->faces == NULL || svo_i_ply_fixed_bytes(ply->vertices) == 0) {
         return "a PLY file without faces, or with lists in its vertices";
     }
     ply->index_list = svo_i_ply_find_index_list(ply->faces);
@@ -267,7 +254,7 @@ static svo_status check_counts(svo_i_blocks *blocks)
     blocks_ply *ply = blocks->ply;
     svo_status status = svo_i_ply_check_fit(&ply->source, ply->vertices);
     if (status == SVO_OK) {
-        ply->vertex_bytes = fixed_bytes(ply->vertices);
+        ply->vertex_bytes = svo_i_ply_fixed_bytes(ply->vertices);
         ply->face_begin = ply->vertex_begin + ply->vertices->count * ply->vertex_bytes;
         seek(blocks, ply->face_begin);
         show_window(blocks);

@@ -4,11 +4,9 @@
 
 #include "core/message.h"
 #include "core/struct_size.h"
+#include "core/voxel_list.h"
 #include "plan/grid.h"
 #include "svocl/plan.h"
-
-/* Whole numbers of voxels up to here are doubles, and so are their neighbors. */
-#define PLACE_MAX 0x1p50
 
 static const char function[] = "svo_mesh_voxel_grid";
 
@@ -34,22 +32,6 @@ static void add_triangle(const svo_mesh *mesh, size_t triangle, svo_i_bounds *bo
         bounds->low[i % 3] = fmin(bounds->low[i % 3], corners[i / 3][i % 3]);
         bounds->high[i % 3] = fmax(bounds->high[i % 3], corners[i / 3][i % 3]);
     }
-}
-
-/* The greatest multiple of the width that, as a double, is at most value. Fails with NaN. */
-static double plane_below(double value, double width)
-{
-    double place = floor(value / width);
-    if (!(fabs(place) < PLACE_MAX)) {
-        return NAN;
-    }
-    while (place * width > value) {
-        place -= 1.0;
-    }
-    while ((place + 1.0) * width <= value) {
-        place += 1.0;
-    }
-    return place * width + 0.0; /* + 0.0 turns -0 into 0; their hashes differ */
 }
 
 /* Voxels from the origin to the one that holds the far end, which has its near faces. */
@@ -80,7 +62,7 @@ static svo_status place_axis(const svo_i_bounds *bounds, unsigned axis, double v
                              unsigned *levels, svo_message *message)
 {
     const double voxels_max = ldexp(1.0, SVO_DEPTH_MAX);
-    *origin = plane_below(bounds->low[axis], voxel_edge);
+    *origin = svo_i_voxel_plane(bounds->low[axis], voxel_edge);
     if (isnan(*origin)) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: voxel_edge %g is too small for vertices at %c = %g",
                           function, voxel_edge, "xyz"[axis], bounds -> low[axis]);
