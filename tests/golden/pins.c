@@ -418,7 +418,8 @@ int main(int argc, char **argv)
         (void)fprintf(stderr, "golden_pins: a room is not known\n");
         return EXIT_FAILURE;
     }
-    /* No value depends on how kernels are compiled, and this is quicker. */
-    (void)setenv("POCL_EXTRA_BUILD_FLAGS", "-cl-opt-disable", 0);
+    if (is_writing || is_hasty) { /* No value depends on how kernels are compiled, and this is quicker. */
+        (void)setenv("POCL_EXTRA_BUILD_FLAGS", "-cl-opt-disable", 0);
+    }
     return _cmocka_run_group_tests("golden_pins", tests, test_count, work_folder_make, release_all);
 }

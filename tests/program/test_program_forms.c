@@ -264,13 +264,13 @@ static void what_no_form_has_is_refused_before_any_work(void **state)
 TEST_GROUP(program_forms)
 {
     const struct CMUnitTest tests[] = {
-        IN_FOLDER_ANY_KERNELS(files_have_the_hash_of_their_tree),
+        IN_FOLDER(files_have_the_hash_of_their_tree),
         IN_FOLDER(pictures_and_rays_are_those_of_the_tree),
-        IN_FOLDER_ANY_KERNELS(solids_take_every_form),
-        IN_FOLDER_ANY_KERNELS(meshes_and_voxels_are_converted_in_one_step),
-        IN_FOLDER_ANY_KERNELS(pages_take_the_form_they_hold),
-        IN_FOLDER_ANY_KERNELS(parts_are_stitched_to_a_form),
-        IN_FOLDER_ANY_KERNELS(payload_is_packed),
+        IN_FOLDER(solids_take_every_form),
+        IN_FOLDER(meshes_and_voxels_are_converted_in_one_step),
+        IN_FOLDER(pages_take_the_form_they_hold),
+        IN_FOLDER(parts_are_stitched_to_a_form),
+        IN_FOLDER(payload_is_packed),
         IN_FOLDER(scenes_take_voxels_and_forms),
         IN_FOLDER(what_no_form_has_is_refused_before_any_work),
     };
