@@ -152,6 +152,17 @@ svo_i_edit_payload svo_i_edit_payload_of(const svo_i_edit_store *store, svo_i_ed
     return (svo_i_edit_payload){.color = node->color, .material = node->material};
 }
 
+uint32_t svo_i_edit_variety_of(const svo_i_edit_store *store, svo_i_edit_ref ref)
+{
+    const svo_i_edit_node *node = at(store, ref);
+    return node->kind & (uint32_t)(SVO_I_EDIT_COLORS | SVO_I_EDIT_MATERIALS);
+}
+
+uint64_t svo_i_edit_mask_of(const svo_i_edit_store *store, svo_i_edit_ref ref)
+{
+    return mask_of(at(store, ref));
+}
+
 uint64_t svo_i_edit_voxels_of(const svo_i_edit_store *store, svo_i_edit_ref ref, uint32_t level)
 {
     if (ref == SVO_I_EDIT_EMPTY) {

@@ -27,6 +27,7 @@
 
 #define SVO_I_EDIT_EMPTY       0u /* in place of a node: no voxels */
 #define SVO_I_EDIT_BLOCK_LEVEL 2u
+#define SVO_I_EDIT_ROOT_LEVEL  21u /* SVO_EDIT_EXTENT is 2^21 */
 #define SVO_I_EDIT_CELLS       64u /* of a block, by Morton code */
 
 /* How many bits are set. */
@@ -118,8 +119,12 @@ void svo_i_edit_store_collect(svo_i_edit_store *store, svo_i_edit_ref *roots, si
 
 /* The kind of a node that is not empty, without the bits of blocks. */
 svo_i_edit_kind svo_i_edit_kind_of(const svo_i_edit_store *store, svo_i_edit_ref ref);
-/* The payload of a uniform node. */
+/* The payload of a uniform node, and of a block's first voxel. */
 svo_i_edit_payload svo_i_edit_payload_of(const svo_i_edit_store *store, svo_i_edit_ref ref);
+/* Of a block: what its voxels do not have in common, SVO_I_EDIT_COLORS and SVO_I_EDIT_MATERIALS; 0 of other nodes. */
+uint32_t svo_i_edit_variety_of(const svo_i_edit_store *store, svo_i_edit_ref ref);
+/* The places of a block that have voxels, by Morton code. */
+uint64_t svo_i_edit_mask_of(const svo_i_edit_store *store, svo_i_edit_ref ref);
 /* The voxels below a node. */
 uint64_t svo_i_edit_voxels_of(const svo_i_edit_store *store, svo_i_edit_ref ref, uint32_t level);
 /* The children of a node above level 2 that may be empty; all eight of a uniform node are itself. */
