@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** \file
  * Edits of voxels: shapes, and the voxels of other trees, are set, cleared, kept or painted, and each step can be
- * undone. The result is a list of voxels or, by svo_voxels_build, a tree.
+ * undone. The result is a list of voxels or a tree.
  *
  * An edit is an octree of its own in host memory, made from a list of voxels: of a file, or of a tree
  * (svo_tree_get_voxels; of a compact tree after svo_compact_expand). A step writes new nodes along the surface of what
@@ -209,8 +209,13 @@ SVO_API int svo_edit_find(const svo_edit *edit, const int32_t place[3], svo_voxe
  * \returns SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_edit_get_voxels(const svo_edit *edit, svo_voxels **out, svo_message *message);
 
-/** Builds the tree of an edit: svo_edit_get_voxels, svo_voxels_build. So it has the bytes of every tree that is built
- *  of these voxels, however they came to be. It is a whole build; the edit goes on and does not change.
+/** Makes the tree of an edit. It has the bytes of every tree that is built of these voxels, however they came to be.
+ *  The edit goes on and does not change.
+ *
+ *  The host writes the tree from the edit's nodes, in time in proportion to the tree, and without kernels; then
+ *  svo_build_report.builder is "edit". An empty edit, a tree of depth 1, and options other than need, payload_level,
+ *  builder, weights and progress take the way of svo_edit_get_voxels and svo_voxels_build. Host memory for the arrays
+ *  is released again; where the voxels do not begin where those of the first list began, also for a copy of the nodes.
  *
  * \param edit as for svo_edit_get_voxels
  * \param device not NULL; must outlive the tree. It has the message of a failure
@@ -219,7 +224,7 @@ SVO_API svo_status svo_edit_get_voxels(const svo_edit *edit, svo_voxels **out, s
  * \param queue on the device's context; NULL: the device's own
  * \param out receives the tree
  * \param report receives times and counts, as from svo_build; NULL allowed
- * \returns what svo_edit_get_voxels and svo_voxels_build return. */
+ * \returns what svo_edit_get_voxels, svo_voxels_build and svo_tree_upload return. */
 SVO_API svo_status svo_edit_commit(const svo_edit *edit, svo_device *device, unsigned depth,
                                    const svo_plan_options *options, cl_command_queue queue, svo_tree **out,
                                    svo_build_report *report);

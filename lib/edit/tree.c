@@ -328,7 +328,8 @@ static bool write_uniform(writer *w, svo_i_edit_ref ref, uint32_t level, sums *o
     return w->materials == NULL || push_run(w, (run){voxel_count, payload.material});
 }
 
-static bool write_leaf(writer *w, const svo_i_edit_cells *cells, uint32_t cell, sums *out)
+/* run_begin: the first run of the octant. */
+static bool write_leaf(writer *w, const svo_i_edit_cells *cells, uint32_t cell, size_t run_begin, sums *out)
 {
     const uint32_t leaf = w->next[w->depth]++;
     const uint32_t color = cells->color[cell];
@@ -340,8 +341,14 @@ static bool write_leaf(writer *w, const svo_i_edit_cells *cells, uint32_t cell, 
         return true;
     }
     const uint16_t material = cells->material[cell];
+    run *last = w->run_count > run_begin ? &w->runs[w->run_count - 1] : NULL;
     w->materials[leaf - w->payload_begin] = material;
-    return push_run(w, (run){1, material});
+    if (last != NULL && last->material == material) { /* of most voxels */
+        ++last->weight;
+        return true;
+    }
+    const size_t middle = w->run_count;
+    return push_run(w, (run){1, material}) && merge_runs(w, run_begin, middle);
 }
 
 /* The eight voxels of a block's octant. */
@@ -354,8 +361,7 @@ static bool write_octant(writer *w, const svo_i_edit_cells *cells, uint32_t octa
     sums own = {.weight = 0};
     put_masks(w, node, level, mask);
     for (uint32_t left = mask; left != 0; left &= left - 1) {
-        const size_t middle = w->run_count;
-        if (!write_leaf(w, cells, 8u * octant + svo_i_edit_lowest(left), &own) || !merge_runs(w, begin, middle)) {
+        if (!write_leaf(w, cells, 8u * octant + svo_i_edit_lowest(left), begin, &own)) {
             return false;
         }
     }
