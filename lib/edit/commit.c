@@ -52,24 +52,6 @@ static void find_bounds(const svo_edit *edit, uint32_t low[3], cut *c)
     c->list.depth = bits < 1 ? 1 : bits > SVO_DEPTH_MAX ? 0 : bits;
 }
 
-static bool is_aligned(const uint32_t low[3], uint32_t level)
-{
-    return ((low[0] | low[1] | low[2]) & ((1u << level) - 1u)) == 0;
-}
-
-/* The node of a cube that begins at low, which is aligned. */
-static svo_i_edit_ref find_cube(const svo_i_edit_store *store, svo_i_edit_ref root, const uint32_t low[3],
-                                uint32_t level)
-{
-    svo_i_edit_ref ref = root;
-    for (uint32_t at = SVO_I_EDIT_ROOT_LEVEL; at > level; --at) {
-        svo_i_edit_ref children[8];
-        svo_i_edit_children_of(store, ref, children);
-        ref = children[(low[0] >> (at - 1) & 1u) | (low[1] >> (at - 1) & 1u) << 1 | (low[2] >> (at - 1) & 1u) << 2];
-    }
-    return ref;
-}
-
 static svo_status fail_memory(svo_device *device)
 {
     return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the tree", name);
@@ -80,9 +62,9 @@ static svo_status fail_memory(svo_device *device)
 static svo_status find_nodes(svo_device *device, const svo_edit *edit, const uint32_t low[3], uint32_t depth, cut *c)
 {
     const svo_i_edit_ref root = edit->versions[edit->current];
-    if (is_aligned(low, depth)) {
+    if (svo_i_edit_is_aligned(low, depth)) {
         c->store = &edit->store;
-        c->node = find_cube(&edit->store, root, low, depth);
+        c->node = svo_i_edit_find_cube(&edit->store, root, low, depth);
         return SVO_OK;
     }
     static const uint32_t corner[3] = {0, 0, 0};
@@ -94,7 +76,7 @@ static svo_status find_nodes(svo_device *device, const svo_edit *edit, const uin
         return fail_memory(device);
     }
     c->store = &c->moved;
-    c->node = find_cube(&c->moved, moved, corner, depth);
+    c->node = svo_i_edit_find_cube(&c->moved, moved, corner, depth);
     return SVO_OK;
 }
 

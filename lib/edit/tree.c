@@ -82,6 +82,25 @@ void svo_i_edit_bounds(const svo_i_edit_store *store, svo_i_edit_ref root, uint3
     bound(&b, root, SVO_I_EDIT_ROOT_LEVEL, cell);
 }
 
+/* ---- cubes ---- */
+
+bool svo_i_edit_is_aligned(const uint32_t low[3], uint32_t level)
+{
+    return ((low[0] | low[1] | low[2]) & ((1u << level) - 1u)) == 0;
+}
+
+svo_i_edit_ref svo_i_edit_find_cube(const svo_i_edit_store *store, svo_i_edit_ref root, const uint32_t low[3],
+                                    uint32_t level)
+{
+    svo_i_edit_ref ref = root;
+    for (uint32_t at = SVO_I_EDIT_ROOT_LEVEL; at > level; --at) {
+        svo_i_edit_ref children[8];
+        svo_i_edit_children_of(store, ref, children);
+        ref = children[(low[0] >> (at - 1) & 1u) | (low[1] >> (at - 1) & 1u) << 1 | (low[2] >> (at - 1) & 1u) << 2];
+    }
+    return ref;
+}
+
 /* ---- the walks ---- */
 
 /* How many voxels have a material. */

@@ -15,6 +15,11 @@ typedef bool (*svo_i_edit_told)(void *user, double fraction);
 /* The bounds of a root's voxels: the least cells and the greatest ones plus 1. root: not empty. */
 void svo_i_edit_bounds(const svo_i_edit_store *store, svo_i_edit_ref root, uint32_t low[3], uint32_t high[3]);
 
+/* Whether a cube of that level may begin at a cell; and the node of such a cube. */
+bool svo_i_edit_is_aligned(const uint32_t low[3], uint32_t level);
+svo_i_edit_ref svo_i_edit_find_cube(const svo_i_edit_store *store, svo_i_edit_ref root, const uint32_t low[3],
+                                    uint32_t level);
+
 /*
  * Writes the host arrays of a tree, where payload that is constant has one element.
  *
