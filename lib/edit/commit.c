@@ -8,11 +8,12 @@
 
 #include "core/device.h"
 #include "core/struct_size.h"
+#include "core/voxel_list.h"
 #include "edit/combine.h"
 #include "edit/handle.h"
 #include "edit/tree.h"
 #include "pipeline/run.h"
-#include "voxels/voxels.h"
+#include "voxels/build.h"
 
 #define LEVEL_MIN SVO_I_EDIT_BLOCK_LEVEL /* of a tree that is written from nodes */
 

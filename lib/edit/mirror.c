@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * An edit's nodes on a device, for pictures without a tree. Nodes never change, so after a step only those that it wrote
- * go there; all do after a collection, which moves them, and where the buffer gets too small.
+ * An edit's nodes on a device, for pictures without a tree. Nodes never change, so after a step only those that it
+ * wrote go there; all do after a collection, which moves them, and where the buffer gets too small.
  *
  * Nodes of the edit begin at multiples of their width from its corner on. The grid of the pictures begins at a multiple
  * of an eighth of its own width: the few nodes above that are made anew where they have to be, the others are shared.
@@ -11,13 +11,14 @@
 #include "core/device.h"
 #include "core/staging.h"
 #include "core/struct_size.h"
+#include "core/voxel_list.h"
 #include "edit/combine.h"
 #include "edit/handle.h"
 #include "edit/tree.h"
 #include "rays/camera.h"
 #include "rays/picture.h"
 #include "rays/target.h"
-#include "voxels/voxels.h"
+#include "voxels/build.h"
 
 #define UNIT_BYTES  8u
 #define UNITS_MAX   0x80000000u /* places count words in 32 bits */

@@ -4,13 +4,14 @@
  * that voxel alone. So the stages of meshes make nodes and payload, with their budget, progress and messages. Weights
  * are uniform: all voxels count the same in the means above them.
  */
-#include "voxels/voxels.h"
+#include "voxels/build.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "core/device.h"
 #include "core/struct_size.h"
+#include "core/voxel_list.h"
 #include "plan/plan.h"
 
 static const char function[] = "svo_voxels_plan";

@@ -87,8 +87,8 @@ static void scripts_take_closed_meshes(void **state)
     run_well("rm a.vox b.vox c.vox b.svo c.svo cube.obj open.obj s.txt");
 }
 
-/* A recorded session comes to the same bytes on the host and by kernels; by those of GPUs, too, where SVOCL_LONG_TESTS is
-   set, since PoCL takes minutes to compile them. */
+/* A recorded session comes to the same bytes on the host and by kernels; by those of GPUs, too, where SVOCL_LONG_TESTS
+   is set, since PoCL takes minutes to compile them. */
 static void sessions_are_replayed(void **state)
 {
     static const char *const ways[] = {"", "--builder sorted --path cpu", "--builder cl --path gpu"};
