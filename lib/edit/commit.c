@@ -43,7 +43,7 @@ typedef struct cut {
 static void find_bounds(const svo_edit *edit, uint32_t low[3], cut *c)
 {
     uint32_t high[3];
-    svo_i_edit_bounds(&edit->store, edit->versions[edit->current], low, high);
+    svo_i_edit_bounds(&edit->store, edit->versions[edit->current], 0, low, high);
     c->list = edit->frame->info;
     for (int axis = 0; axis < 3; ++axis) {
         c->list.low[axis] = (int32_t)(edit->corner[axis] + low[axis]);

@@ -45,25 +45,40 @@ static const char update_name[] = "svo_edit_mirror_update";
 
 /* ---- the grid ---- */
 
-/* The grid: base is its least cell. The edit has voxels. */
+/* Whether the voxels fit a grid of that depth, and where it then begins. */
+static bool fits(const svo_edit_mirror *mirror, svo_i_edit_ref root, uint32_t depth, uint32_t base[3])
+{
+    const uint32_t grain_log2 = depth > DEPTH_MIN + GRAIN_LOG2 ? depth - GRAIN_LOG2 : DEPTH_MIN;
+    uint32_t low[3];
+    uint32_t high[3];
+    svo_i_edit_bounds(&mirror->edit->store, root, grain_log2, low, high); /* they are multiples of it, as the grid's */
+    for (int axis = 0; axis < 3; ++axis) {
+        if (high[axis] - low[axis] > 1u << depth) {
+            return false;
+        }
+    }
+    memcpy(base, low, sizeof low);
+    return true;
+}
+
+/* The least grid: base is its least cell. The edit has voxels. From the largest one down, since coarse bounds of few
+   cubes are found soon. */
 static svo_status find_grid(svo_edit_mirror *mirror, svo_i_edit_ref root, uint32_t base[3], uint32_t *depth)
 {
     uint32_t low[3];
     uint32_t high[3];
-    bool holds = false;
-    svo_i_edit_bounds(&mirror->edit->store, root, low, high);
-    for (*depth = DEPTH_MIN; !holds && *depth <= SVO_DEPTH_MAX; *depth += holds ? 0 : 1) {
-        const uint32_t grain = *depth > DEPTH_MIN + GRAIN_LOG2 ? *depth - GRAIN_LOG2 : DEPTH_MIN;
-        holds = true;
-        for (int axis = 0; axis < 3; ++axis) {
-            base[axis] = low[axis] >> grain << grain;
-            holds = holds && high[axis] - base[axis] <= 1u << *depth;
-        }
+    uint32_t found = SVO_DEPTH_MAX + 1;
+    while (found > DEPTH_MIN && fits(mirror, root, found - 1, base)) {
+        --found;
     }
-    return holds ? SVO_OK
-                 : svo_i_device_fail(mirror->device, SVO_UNSUPPORTED,
-                                     "%s: the voxels span %u x %u x %u, more than about 2^%d along an axis",
-                                     update_name, high[0] - low[0], high[1] - low[1], high[2] - low[2], SVO_DEPTH_MAX);
+    *depth = found;
+    if (found <= SVO_DEPTH_MAX) {
+        return SVO_OK;
+    }
+    svo_i_edit_bounds(&mirror->edit->store, root, 0, low, high);
+    return svo_i_device_fail(mirror->device, SVO_UNSUPPORTED,
+                             "%s: the voxels span %u x %u x %u, more than about 2^%d along an axis", update_name,
+                             high[0] - low[0], high[1] - low[1], high[2] - low[2], SVO_DEPTH_MAX);
 }
 
 /* The node of the grid's cube. Where it is none of the edit's, nodes above its eighths are written. */

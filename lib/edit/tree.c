@@ -16,6 +16,7 @@
 
 typedef struct bounds {
     const svo_i_edit_store *store;
+    uint32_t least_level; /* cubes of it count as full */
     uint32_t *low, *high;
 } bounds;
 
@@ -54,7 +55,7 @@ static void bound(bounds *b, svo_i_edit_ref ref, uint32_t level, const uint32_t 
     if (ref == SVO_I_EDIT_EMPTY || is_within(b, cell, level)) {
         return;
     }
-    if (svo_i_edit_kind_of(b->store, ref) == SVO_I_EDIT_UNIFORM) {
+    if (level == b->least_level || svo_i_edit_kind_of(b->store, ref) == SVO_I_EDIT_UNIFORM) {
         widen(b, cell, 1u << level);
     } else if (level == SVO_I_EDIT_BLOCK_LEVEL) {
         bound_block(b, ref, cell);
@@ -71,10 +72,11 @@ static void bound(bounds *b, svo_i_edit_ref ref, uint32_t level, const uint32_t 
     }
 }
 
-void svo_i_edit_bounds(const svo_i_edit_store *store, svo_i_edit_ref root, uint32_t low[3], uint32_t high[3])
+void svo_i_edit_bounds(const svo_i_edit_store *store, svo_i_edit_ref root, uint32_t least_level, uint32_t low[3],
+                       uint32_t high[3])
 {
     const uint32_t cell[3] = {0, 0, 0};
-    bounds b = {.store = store, .low = low, .high = high};
+    bounds b = {.store = store, .least_level = least_level, .low = low, .high = high};
     for (int axis = 0; axis < 3; ++axis) {
         low[axis] = UINT32_MAX;
         high[axis] = 0;
@@ -256,11 +258,11 @@ static uint64_t rounded_quotient(uint64_t sum, uint64_t by)
     return (2 * sum + by) / (2 * by);
 }
 
-/* As svo_mean_color. */
+/* As svo_mean_color; 0 of no voxels. */
 static uint32_t mean_of(const sums *s)
 {
     const uint64_t shown = s->color[3];
-    uint64_t alpha = rounded_quotient(shown, s->weight);
+    uint64_t alpha = rounded_quotient(shown, s->weight > 0 ? s->weight : 1);
     uint32_t color = 0;
     for (uint32_t i = 0; i < 3; ++i) {
         color |= (uint32_t)rounded_quotient(s->color[i], shown > 0 ? shown : 1) << 8u * i;

@@ -12,8 +12,10 @@
 /* Says how far a walk is, 0 .. 1; false stops it. */
 typedef bool (*svo_i_edit_told)(void *user, double fraction);
 
-/* The bounds of a root's voxels: the least cells and the greatest ones plus 1. root: not empty. */
-void svo_i_edit_bounds(const svo_i_edit_store *store, svo_i_edit_ref root, uint32_t low[3], uint32_t high[3]);
+/* The bounds of a root's voxels: the least cells and the greatest ones plus 1. root: not empty. least_level: 0, or from
+   2 on: cubes of that level that have voxels count as full, which takes less time. */
+void svo_i_edit_bounds(const svo_i_edit_store *store, svo_i_edit_ref root, uint32_t least_level, uint32_t low[3],
+                       uint32_t high[3]);
 
 /* Whether a cube of that level may begin at a cell; and the node of such a cube. */
 bool svo_i_edit_is_aligned(const uint32_t low[3], uint32_t level);
