@@ -48,6 +48,8 @@ all_variants()
     printf 'kernels/probes/trace.cl\tSKY_MAP\n'
     # What paged trees are read by.
     printf "%s\tCOLOR NORMAL READ_PAGED\n" kernels/rays/{render,view}.cl
+    # What edits are read by.
+    printf '%s\n' kernels/rays/render.cl$'\tCOLOR READ_EDIT'{,' CAST_TILES'}
     # What light is stored in.
     for form in LIGHT_{FACES,BRICKS,VOXELS}{,' LIGHT_AREA',' LIGHT_LOBES',{,"$by_rays"}" $picture",' ONE_WORKER'}; do
         find kernels/light -name '*.cl' -printf "%p\t$form\n"

@@ -83,8 +83,8 @@ typedef struct svo_build_report {
     uint64_t inner_nodes; /**< of svo_tree_finish with SVO_CAPACITY_EXCEEDED: the room that is enough; else 0 */
     uint32_t list_chunks; /**< buffers of the fragment list */
     uint32_t reruns; /**< how often a capacity was too small and a stage ran again */
-    const char *frontend; /**< "cl", "gl-expand", "gl-hw", "gl-hybrid"; static string */
-    const char *builder; /**< "cl", "sorted"; "gl-compute" (svo_gl_build); static string */
+    const char *frontend; /**< "cl", "gl-expand", "gl-hw", "gl-hybrid", "none"; static string */
+    const char *builder; /**< "cl", "sorted"; "gl-compute" (svo_gl_build), "edit" (svo_edit_commit); static string */
     const char *share; /**< how the list got to OpenCL: "none" (made there), "interop", "host", "copy" */
     const char *renderer; /**< OpenGL's name of the renderer; lives as long as the context; "" without OpenGL */
     svo_stage_time stage_times[SVO_STAGE_CAPACITY]; /**< by svo_stage; svo_build_report_stage says how many */

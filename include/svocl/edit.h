@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** \file
  * Edits of voxels: shapes, and the voxels of other trees, are set, cleared, kept or painted, and each step can be
- * undone. The result is a list of voxels or, by svo_voxels_build, a tree.
+ * undone. The result is a list of voxels or a tree.
  *
  * An edit is an octree of its own in host memory, made from a list of voxels: of a file, or of a tree
  * (svo_tree_get_voxels; of a compact tree after svo_compact_expand). A step writes new nodes along the surface of what
@@ -27,6 +27,7 @@
 #include "svocl/device.h"
 #include "svocl/memory.h"
 #include "svocl/plan.h"
+#include "svocl/trace.h"
 #include "svocl/tree.h"
 #include "svocl/voxels.h"
 
@@ -209,8 +210,13 @@ SVO_API int svo_edit_find(const svo_edit *edit, const int32_t place[3], svo_voxe
  * \returns SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_edit_get_voxels(const svo_edit *edit, svo_voxels **out, svo_message *message);
 
-/** Builds the tree of an edit: svo_edit_get_voxels, svo_voxels_build. So it has the bytes of every tree that is built
- *  of these voxels, however they came to be. It is a whole build; the edit goes on and does not change.
+/** Makes the tree of an edit. It has the bytes of every tree that is built of these voxels, however they came to be.
+ *  The edit goes on and does not change.
+ *
+ *  The host writes the tree from the edit's nodes, in time in proportion to the tree, and without kernels; then
+ *  svo_build_report.builder is "edit". An empty edit, a tree of depth 1, and options other than need, payload_level,
+ *  builder, weights and progress take the way of svo_edit_get_voxels and svo_voxels_build. Host memory for the arrays
+ *  is released again; where the voxels do not begin where those of the first list began, also for a copy of the nodes.
  *
  * \param edit as for svo_edit_get_voxels
  * \param device not NULL; must outlive the tree. It has the message of a failure
@@ -219,10 +225,65 @@ SVO_API svo_status svo_edit_get_voxels(const svo_edit *edit, svo_voxels **out, s
  * \param queue on the device's context; NULL: the device's own
  * \param out receives the tree
  * \param report receives times and counts, as from svo_build; NULL allowed
- * \returns what svo_edit_get_voxels and svo_voxels_build return. */
+ * \returns what svo_edit_get_voxels, svo_voxels_build and svo_tree_upload return. */
 SVO_API svo_status svo_edit_commit(const svo_edit *edit, svo_device *device, unsigned depth,
                                    const svo_plan_options *options, cl_command_queue queue, svo_tree **out,
                                    svo_build_report *report);
+
+/** The nodes of an edit on a device, for pictures without a tree: svo_render(svo_edit_mirror_target(mirror), ...). */
+typedef struct svo_edit_mirror svo_edit_mirror;
+
+/** What a mirror holds. */
+typedef struct svo_edit_mirror_info {
+    size_t struct_size; /**< sizeof(svo_edit_mirror_info) */
+    uint64_t device_bytes; /**< of all nodes, and room for a quarter and a MiB more */
+    uint64_t written_bytes; /**< that the last update copied */
+    uint32_t depth; /**< of the grid of pictures */
+} svo_edit_mirror_info;
+
+/** An empty output. */
+#define SVO_EDIT_MIRROR_INFO_INIT SVO_STRUCT_INIT(svo_edit_mirror_info)
+
+/** Copies the nodes of an edit to a device.
+ *
+ * \param device must outlive the mirror
+ * \param edit must outlive the mirror. Its nodes may get a few more above those of its voxels
+ * \param queue on the device's context; NULL: the device's own
+ * \param out receives the mirror
+ * \returns what svo_edit_mirror_update returns. */
+SVO_API svo_status svo_edit_mirror_create(svo_device *device, svo_edit *edit, cl_command_queue queue,
+                                          svo_edit_mirror **out);
+
+/** Makes pictures show the edit as it is now, after steps, undo, redo or a collection. What the device lacks is copied:
+ *  the nodes that steps wrote since the last update, or all after a collection and where the buffer was too small.
+ *
+ * \param mirror not NULL; no picture of it may be in flight
+ * \param queue on the device's context; NULL: the device's own
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (voxels that span more than about 2^16 along an axis, or 16 GiB of
+ *          nodes), SVO_CAPACITY_EXCEEDED (the edit's max_bytes), SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY or
+ *          SVO_CL_ERROR on failure. Call it again before the next picture then. */
+SVO_API svo_status svo_edit_mirror_update(svo_edit_mirror *mirror, cl_command_queue queue);
+
+/** Describes a mirror.
+ *
+ * \param mirror not NULL
+ * \param info receives the description
+ * \returns SVO_INVALID_ARGUMENT when info is NULL or its struct_size is too small. */
+SVO_API svo_status svo_edit_mirror_get_info(const svo_edit_mirror *mirror, svo_edit_mirror_info *info);
+
+/** A mirror as a target: of svo_render with SVO_VIEW_SHADED, and of svo_camera_fit, which frames its cubes of
+ *  four voxels; the whole grid between a collection and the update. Where
+ *  rays meet voxels, pictures are those of the tree of svo_edit_commit if both grids begin in one place; where a pixel
+ *  covers more, nodes have means of means of the colors below. Other grids round elsewhere.
+ *
+ * \param mirror NULL: calls are refused
+ * \returns the target. */
+SVO_API svo_target svo_edit_mirror_target(svo_edit_mirror *mirror);
+
+/** Destroys a mirror. Pictures in flight keep what they read.
+ *
+ * \param mirror set to NULL; NULL and a pointer to NULL are allowed */
+SVO_API void svo_edit_mirror_destroy(svo_edit_mirror **mirror);
 
 #ifdef __cplusplus
 }

@@ -7,8 +7,6 @@
 #include "edit/store.h"
 #include "svocl/edit.h"
 
-#define SVO_I_EDIT_ROOT_LEVEL 21u /* SVO_EDIT_EXTENT is 2^21 */
-
 /* A step that runs. */
 typedef struct svo_i_edit_run {
     svo_i_edit_store *store; /* receives the nodes */

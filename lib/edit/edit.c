@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Edits: begun from a list, asked, turned into lists and trees. */
+/* Edits: begun from a list, asked, turned into lists. */
 #include <inttypes.h>
 #include <string.h>
 
-#include "core/device.h"
 #include "core/limits.h"
 #include "core/struct_size.h"
 #include "edit/combine.h"
@@ -192,7 +191,7 @@ int svo_edit_find(const svo_edit *edit, const int32_t place[3], svo_voxel *voxel
     return 1;
 }
 
-/* ---- lists and trees ---- */
+/* ---- lists ---- */
 
 svo_status svo_edit_get_voxels(const svo_edit *edit, svo_voxels **out, svo_message *message)
 {
@@ -228,29 +227,4 @@ svo_status svo_edit_get_voxels(const svo_edit *edit, svo_voxels **out, svo_messa
     }
     (*out)->axes = frame->axes;
     return SVO_OK;
-}
-
-svo_status svo_edit_commit(const svo_edit *edit, svo_device *device, unsigned depth, const svo_plan_options *options,
-                           cl_command_queue queue, svo_tree **out, svo_build_report *report)
-{
-    static const char name[] = "svo_edit_commit";
-    svo_voxels *voxels = NULL;
-    svo_message message = {""};
-    if (edit == NULL || device == NULL || out == NULL) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", name,
-                                 device == NULL ? "device"
-                                 : edit == NULL ? "edit"
-                                                : "out");
-    }
-    svo_status status = svo_edit_get_voxels(edit, &voxels, &message);
-    if (status != SVO_OK) {
-        (void)svo_i_device_fail(device, status, "%s", message.text);
-    } else {
-        status = svo_voxels_build(device, voxels, depth, options, queue, out, report);
-        svo_voxels_destroy(&voxels);
-    }
-    if (status != SVO_OK) {
-        svo_i_message_rename(svo_i_device_message(device), name);
-    }
-    return status;
 }

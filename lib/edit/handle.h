@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The fields of an edit. Files of the room, each after those that it uses: store, shape, combine, list, steps, edit.
+ * The fields of an edit. Files of the room, each after those that it uses: store, shape, combine, list, tree, steps,
+ * edit, commit, mirror.
  */
 #ifndef SVO_LIB_EDIT_HANDLE_H
 #define SVO_LIB_EDIT_HANDLE_H

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#define SEGMENT_LOG2  17u
+#define SEGMENT_LOG2  SVO_I_EDIT_SEGMENT_LOG2
 #define SEGMENT_UNITS (1u << SEGMENT_LOG2)
 #define UNIT_BYTES    8u
 #define WORD_LOG2     6u /* units that one word of the bit map describes */
@@ -117,6 +117,43 @@ static void *reserve(svo_i_edit_store *store, uint32_t units, svo_i_edit_ref *ou
     return at(store, *out);
 }
 
+const void *svo_i_edit_store_units(const svo_i_edit_store *store, uint32_t segment_index)
+{
+    return store->segments[segment_index]->units;
+}
+
+/* ---- means ---- */
+
+/* Sums of colors by alpha and weight. */
+typedef struct mean {
+    uint64_t color[4];
+    uint64_t weight;
+    bool is_opaque;
+} mean;
+
+static void mean_add(mean *m, uint32_t color, uint64_t weight)
+{
+    const uint64_t share = weight * (color >> 24);
+    for (uint32_t i = 0; i < 3; ++i) {
+        m->color[i] += share * (color >> 8u * i & 255u);
+    }
+    m->color[3] += share;
+    m->weight += weight;
+    m->is_opaque = m->is_opaque && color >> 24 == 255u;
+}
+
+static uint32_t mean_get(const mean *m)
+{
+    const uint64_t by = m->color[3] > 0 ? m->color[3] : 1;
+    uint64_t alpha = (m->color[3] + m->weight / 2) / m->weight;
+    uint32_t color = 0;
+    for (uint32_t i = 0; i < 3; ++i) {
+        color |= (uint32_t)((m->color[i] + by / 2) / by) << 8u * i;
+    }
+    alpha = m->is_opaque ? 255 : alpha > 254 ? 254 : alpha == 0 && m->color[3] > 0 ? 1 : alpha;
+    return color | (uint32_t)alpha << 24;
+}
+
 /* ---- nodes ---- */
 
 /* The occupied places of a block, which follow its first unit. */
@@ -150,6 +187,23 @@ svo_i_edit_payload svo_i_edit_payload_of(const svo_i_edit_store *store, svo_i_ed
 {
     const svo_i_edit_node *node = at(store, ref);
     return (svo_i_edit_payload){.color = node->color, .material = node->material};
+}
+
+uint32_t svo_i_edit_color_of(const svo_i_edit_store *store, svo_i_edit_ref ref)
+{
+    const svo_i_edit_node *node = at(store, ref);
+    return node->color;
+}
+
+uint32_t svo_i_edit_variety_of(const svo_i_edit_store *store, svo_i_edit_ref ref)
+{
+    const svo_i_edit_node *node = at(store, ref);
+    return node->kind & (uint32_t)(SVO_I_EDIT_COLORS | SVO_I_EDIT_MATERIALS);
+}
+
+uint64_t svo_i_edit_mask_of(const svo_i_edit_store *store, svo_i_edit_ref ref)
+{
+    return mask_of(at(store, ref));
 }
 
 uint64_t svo_i_edit_voxels_of(const svo_i_edit_store *store, svo_i_edit_ref ref, uint32_t level)
@@ -212,11 +266,17 @@ static bool are_one(const svo_i_edit_store *store, const svo_i_edit_ref children
 
 bool svo_i_edit_join(svo_i_edit_store *store, const svo_i_edit_ref children[8], uint32_t level, svo_i_edit_ref *out)
 {
+    const uint32_t scale = 3u * (level - 1u) > 40u ? 3u * (level - 1u) - 40u : 0u; /* weights below 2^43 */
+    mean colors = {.is_opaque = true};
     uint32_t mask = 0;
     uint64_t voxel_count = 0;
     for (uint32_t octant = 0; octant < 8; ++octant) {
-        mask |= children[octant] != SVO_I_EDIT_EMPTY ? 1u << octant : 0u;
-        voxel_count += svo_i_edit_voxels_of(store, children[octant], level - 1);
+        if (children[octant] != SVO_I_EDIT_EMPTY) {
+            const uint64_t below = svo_i_edit_voxels_of(store, children[octant], level - 1);
+            mask |= 1u << octant;
+            voxel_count += below;
+            mean_add(&colors, svo_i_edit_color_of(store, children[octant]), (below >> scale) + (scale > 0 ? 1u : 0u));
+        }
     }
     if (mask == 0 || are_one(store, children)) {
         *out = children[0];
@@ -226,7 +286,7 @@ bool svo_i_edit_join(svo_i_edit_store *store, const svo_i_edit_ref children[8], 
     if (inner == NULL) {
         return false;
     }
-    inner->node = (svo_i_edit_node){.kind = SVO_I_EDIT_INNER, .mask = (uint8_t)mask};
+    inner->node = (svo_i_edit_node){.kind = SVO_I_EDIT_INNER, .mask = (uint8_t)mask, .color = mean_get(&colors)};
     inner->voxel_count = voxel_count;
     svo_i_edit_ref *next = inner->children;
     for (uint32_t octant = 0; octant < 8; ++octant) {
@@ -290,6 +350,15 @@ static void write_payload(const svo_i_edit_cells *cells, svo_i_edit_node *node)
     }
 }
 
+static uint32_t mean_of(const svo_i_edit_cells *cells)
+{
+    mean colors = {.is_opaque = true};
+    for (uint64_t left = cells->mask; left != 0; left &= left - 1) {
+        mean_add(&colors, cells->color[svo_i_edit_lowest(left)], 1);
+    }
+    return mean_get(&colors);
+}
+
 bool svo_i_edit_pack(svo_i_edit_store *store, const svo_i_edit_cells *cells, svo_i_edit_ref *out)
 {
     if (cells->mask == 0) {
@@ -307,6 +376,9 @@ bool svo_i_edit_pack(svo_i_edit_store *store, const svo_i_edit_cells *cells, svo
         return false;
     }
     *node = (svo_i_edit_node){.kind = (uint8_t)kind, .material = payload.material, .color = payload.color};
+    if ((kind & (uint32_t)SVO_I_EDIT_COLORS) != 0) {
+        node->color = mean_of(cells);
+    }
     *(uint64_t *)(void *)(node + 1) = cells->mask;
     write_payload(cells, node);
     return true;

@@ -27,6 +27,7 @@
 
 #define SVO_I_EDIT_EMPTY       0u /* in place of a node: no voxels */
 #define SVO_I_EDIT_BLOCK_LEVEL 2u
+#define SVO_I_EDIT_ROOT_LEVEL  21u /* SVO_EDIT_EXTENT is 2^21 */
 #define SVO_I_EDIT_CELLS       64u /* of a block, by Morton code */
 
 /* How many bits are set. */
@@ -66,7 +67,7 @@ typedef struct svo_i_edit_node {
     uint8_t kind; /* svo_i_edit_kind */
     uint8_t mask; /* inner: which children are there */
     uint16_t material; /* of all voxels, where the kind has one */
-    uint32_t color; /* the same */
+    uint32_t color; /* the same; elsewhere about the mean, for pictures (kernels/rays/read_edit.clh) */
 } svo_i_edit_node;
 
 /* An inner node. children has as many as the mask has bits. */
@@ -107,6 +108,13 @@ void svo_i_edit_store_release(svo_i_edit_store *store);
 uint64_t svo_i_edit_store_held(const svo_i_edit_store *store);
 uint64_t svo_i_edit_store_used(const svo_i_edit_store *store);
 
+/* The units below top in a segment, from the first one on; segments have 2^17 units of 8 bytes. */
+#define SVO_I_EDIT_SEGMENT_LOG2 17u
+const void *svo_i_edit_store_units(const svo_i_edit_store *store, uint32_t segment_index);
+
+/* The color of a node that is not empty: its voxels' one, or about their mean; opaque if all are. */
+uint32_t svo_i_edit_color_of(const svo_i_edit_store *store, svo_i_edit_ref ref);
+
 /* The bytes of the nodes between two tops. */
 uint64_t svo_i_edit_bytes_between(uint32_t begin, uint32_t end);
 
@@ -118,8 +126,12 @@ void svo_i_edit_store_collect(svo_i_edit_store *store, svo_i_edit_ref *roots, si
 
 /* The kind of a node that is not empty, without the bits of blocks. */
 svo_i_edit_kind svo_i_edit_kind_of(const svo_i_edit_store *store, svo_i_edit_ref ref);
-/* The payload of a uniform node. */
+/* The payload of a uniform node, or of a block's voxels as far as they have it in common. */
 svo_i_edit_payload svo_i_edit_payload_of(const svo_i_edit_store *store, svo_i_edit_ref ref);
+/* Of a block: what its voxels do not have in common, SVO_I_EDIT_COLORS and SVO_I_EDIT_MATERIALS; 0 of other nodes. */
+uint32_t svo_i_edit_variety_of(const svo_i_edit_store *store, svo_i_edit_ref ref);
+/* The places of a block that have voxels, by Morton code. */
+uint64_t svo_i_edit_mask_of(const svo_i_edit_store *store, svo_i_edit_ref ref);
 /* The voxels below a node. */
 uint64_t svo_i_edit_voxels_of(const svo_i_edit_store *store, svo_i_edit_ref ref, uint32_t level);
 /* The children of a node above level 2 that may be empty; all eight of a uniform node are itself. */

@@ -184,8 +184,7 @@ static svo_status take_mesh(svo_plan *plan, const svo_i_plan_input *input)
 /* Limits on the unit of weights in a header; those of attributes.c lie inside. */
 #define WEIGHT_LOG2_MAX 48u
 
-/* Grid units per axis of a tree of that depth, as a power of two. */
-static uint32_t snap_bits(uint32_t depth)
+uint32_t svo_i_plan_snap_bits(uint32_t depth)
 {
     return depth <= SNAP_BITS_DEPTH_MAX ? SNAP_BITS : depth + DEEP_VOXEL_LOG2;
 }
@@ -196,7 +195,7 @@ static const char *wrong_header(const svo_part_header *header, uint32_t depth)
     if (header->depth != depth) {
         return "is of a tree of another depth";
     }
-    if (header->snap_bits != snap_bits(depth) || header->coverage > SVO_COVERAGE_THIN ||
+    if (header->snap_bits != svo_i_plan_snap_bits(depth) || header->coverage > SVO_COVERAGE_THIN ||
         header->weights > SVO_WEIGHTS_CENTER || header->payload_level > depth ||
         (header->need & ~(uint32_t)SVO_NEED_ALL) != 0 || (header->constant & ~header->need) != 0 ||
         header->weight_log2 > WEIGHT_LOG2_MAX || header->least_alpha > UINT8_MAX) {
@@ -368,7 +367,7 @@ static svo_status make_plan(svo_plan *plan, const char *function, const svo_i_pl
     const double start_ms = svo_i_now_ms();
     const double compiled_ms = plan->device->compile_ms;
     const uint32_t depth = plan->info.depth;
-    plan->info.snap_bits = snap_bits(depth + plan->part.level) - plan->part.level;
+    plan->info.snap_bits = svo_i_plan_snap_bits(depth + plan->part.level) - plan->part.level;
     plan->info.coverage = plan->options.coverage;
     plan->voxel_log2 = plan->info.snap_bits - depth;
     plan->progress.expected_ns[SVO_STAGE_GRID] = SVO_I_SNAP_NS * (double)mesh->vertex_count +

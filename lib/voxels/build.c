@@ -4,13 +4,15 @@
  * that voxel alone. So the stages of meshes make nodes and payload, with their budget, progress and messages. Weights
  * are uniform: all voxels count the same in the means above them.
  */
+#include "voxels/build.h"
+
 #include <math.h>
 #include <string.h>
 
 #include "core/device.h"
 #include "core/struct_size.h"
 #include "core/voxel_list.h"
-#include "plan/plan_data.h"
+#include "plan/plan.h"
 
 static const char function[] = "svo_voxels_plan";
 
@@ -23,12 +25,10 @@ typedef struct points {
     svo_material *table; /* as many white materials as there are numbers */
 } points;
 
-/* Checks what concerns voxels, and sets what follows from them. svo_plan_create checks the rest. */
-static svo_status check_options(svo_device *device, const svo_voxels *voxels, unsigned *depth,
+svo_status svo_i_voxels_options(svo_device *device, const svo_voxels_info *info, unsigned *depth,
                                 svo_plan_options *options)
 {
     const uint32_t payload = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_MATERIAL;
-    const svo_voxels_info *info = &voxels->info;
     options->need = options->need == SVO_NEED_DEFAULT ? payload : options->need;
     if (options->need != SVO_NEED_NONE && (options->need & ~payload) != 0) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
@@ -108,22 +108,32 @@ static void fill_points(const svo_voxels *voxels, points *p)
     }
 }
 
-/* Replaces the grid of the points by that of the voxels. */
-static svo_status place_plan(svo_device *device, const svo_voxels *voxels, svo_plan_info *info)
+svo_status svo_i_voxels_grid(svo_device *device, const svo_voxels_info *list, unsigned depth, svo_i_voxel_grid *out)
 {
-    const svo_voxels_info *list = &voxels->info;
-    info->edge = ldexp(list->voxel_edge, (int)info->depth);
-    info->scale = ldexp(1.0, (int)info->snap_bits) / info->edge;
-    info->triangles = 0;
-    bool finite = isfinite(info->edge) && isfinite(info->scale) && info->scale > 0.0;
+    out->snap_bits = svo_i_plan_snap_bits(depth);
+    out->edge = ldexp(list->voxel_edge, (int)depth);
+    out->scale = ldexp(1.0, (int)out->snap_bits) / out->edge;
+    bool finite = isfinite(out->edge) && isfinite(out->scale) && out->scale > 0.0;
     for (int axis = 0; axis < 3; ++axis) {
-        info->origin[axis] = list->origin[axis] + (double)list->low[axis] * list->voxel_edge + 0.0;
-        finite = finite && isfinite(info->origin[axis]);
+        out->origin[axis] = list->origin[axis] + (double)list->low[axis] * list->voxel_edge + 0.0;
+        finite = finite && isfinite(out->origin[axis]);
     }
     return finite ? SVO_OK
                   : svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
                                       "%s: a grid from %g, %g, %g on with voxels of edge %g is beyond doubles",
-                                      function, info->origin[0], info->origin[1], info->origin[2], list->voxel_edge);
+                                      function, out->origin[0], out->origin[1], out->origin[2], list->voxel_edge);
+}
+
+/* Replaces the grid of the points by that of the voxels. */
+static svo_status place_plan(svo_device *device, const svo_voxels *voxels, svo_plan_info *info)
+{
+    svo_i_voxel_grid grid;
+    SVO_I_TRY(svo_i_voxels_grid(device, &voxels->info, info->depth, &grid));
+    memcpy(info->origin, grid.origin, sizeof info->origin);
+    info->edge = grid.edge;
+    info->scale = grid.scale;
+    info->triangles = 0;
+    return SVO_OK;
 }
 
 svo_status svo_voxels_plan(svo_device *device, const svo_voxels *voxels, unsigned depth,
@@ -140,7 +150,7 @@ svo_status svo_voxels_plan(svo_device *device, const svo_voxels *voxels, unsigne
     SVO_I_TRY(svo_i_struct_read(svo_i_device_message(device), function, "options", options, &asked,
                                 SVO_I_STRUCT_SIZES(svo_plan_options, coverage)));
     asked.builder = options == NULL ? SVO_BUILDER_SORTED : asked.builder;
-    SVO_I_TRY(check_options(device, voxels, &depth, &asked));
+    SVO_I_TRY(svo_i_voxels_options(device, &voxels->info, &depth, &asked));
     if (!allocate_points(&device->memory, voxels, asked.need, &p)) {
         status = svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %llu voxels", function,
                                    (unsigned long long)voxels->info.voxel_count);

@@ -175,6 +175,25 @@ static void succeed(const fixture *opened, svo_status status)
     }
 }
 
+/* What the edit commits is what a build of the list makes. */
+static void assert_same_trees(const fixture *opened, const svo_edit *edit, const svo_voxels *list, unsigned depth,
+                              const svo_plan_options *options)
+{
+    svo_tree *trees[2] = {NULL, NULL};
+    svo_tree_info infos[2] = {SVO_TREE_INFO_INIT, SVO_TREE_INFO_INIT};
+    char hashes[2][SVO_HASH_TEXT_BYTES];
+    succeed(opened, svo_edit_commit(edit, opened->device, depth, options, opened->queue, &trees[0], NULL));
+    succeed(opened, svo_voxels_build(opened->device, list, depth, options, opened->queue, &trees[1], NULL));
+    for (int i = 0; i < 2; ++i) {
+        assert_int_equal(svo_tree_get_info(trees[i], &infos[i]), SVO_OK);
+        succeed(opened, svo_tree_download(trees[i], opened->queue));
+        assert_int_equal(svo_tree_hash(trees[i], SVO_HASH_ALL, hashes[i]), SVO_OK);
+        svo_tree_destroy(&trees[i]);
+    }
+    assert_memory_equal(&infos[0], &infos[1], sizeof infos[0]);
+    assert_string_equal(hashes[0], hashes[1]);
+}
+
 /* The edit's list is the array's, and with a device so are the bytes of the tree. */
 static void assert_is_dense(const svo_edit *edit, const dense_cell *cells, const fixture *opened)
 {
@@ -185,16 +204,7 @@ static void assert_is_dense(const svo_edit *edit, const dense_cell *cells, const
     assert_int_equal(svo_voxels_get_info(found, &list), SVO_OK);
     assert_int_equal(info_of(edit).voxel_count, list.voxel_count);
     if (opened != NULL) {
-        svo_tree *trees[2] = {NULL, NULL};
-        char hashes[2][SVO_HASH_TEXT_BYTES];
-        succeed(opened, svo_edit_commit(edit, opened->device, 0, NULL, opened->queue, &trees[0], NULL));
-        succeed(opened, svo_voxels_build(opened->device, expected, 0, NULL, opened->queue, &trees[1], NULL));
-        for (int i = 0; i < 2; ++i) {
-            succeed(opened, svo_tree_download(trees[i], opened->queue));
-            assert_int_equal(svo_tree_hash(trees[i], SVO_HASH_ALL, hashes[i]), SVO_OK);
-            svo_tree_destroy(&trees[i]);
-        }
-        assert_string_equal(hashes[0], hashes[1]);
+        assert_same_trees(opened, edit, expected, 0, NULL);
     }
     svo_voxels_destroy(&found);
     svo_voxels_destroy(&expected);
@@ -668,6 +678,208 @@ static void empty_edits_have_lists_and_trees(void **state)
     svo_edit_destroy(&edit);
 }
 
+/* ---- trees ---- */
+
+/* How the colors and materials of random voxels differ. */
+typedef enum variety { ONE_OF_EACH, MATERIALS_DIFFER, ALL_DIFFER } variety;
+
+/* Voxels in and around a full cube, so that nodes are of all kinds; some do not show. */
+static svo_voxels *random_list(uint64_t seed, variety differs)
+{
+    enum { COUNT = 3000 };
+    svo_voxel *voxels = allocate(COUNT * sizeof *voxels);
+    for (uint32_t i = 0; i < COUNT; ++i) {
+        svo_voxel *one = &voxels[i];
+        const bool in_cube = i < 16 * 16 * 8;
+        one->x = in_cube ? (int32_t)(i & 15u) : (int32_t)random_below(&seed, 50) - 3;
+        one->y = in_cube ? (int32_t)(i >> 4 & 15u) : (int32_t)random_below(&seed, 40);
+        one->z = in_cube ? (int32_t)(i >> 8) : (int32_t)random_below(&seed, 30) - 9;
+        one->material = differs >= MATERIALS_DIFFER && !in_cube ? (uint16_t)random_below(&seed, 40) : 7;
+        memcpy(one->rgba, (const uint8_t[4]){9, 200, 31, 128}, 4);
+        for (int k = 0; k < 4 && differs == ALL_DIFFER && !in_cube; ++k) {
+            one->rgba[k] = (uint8_t)(k == 3 && i % 3 == 0 ? 0 : random_below(&seed, 256));
+        }
+    }
+    svo_voxels *made = make_list(voxels, COUNT);
+    free(voxels);
+    return made;
+}
+
+static int count_calls(void *user, svo_stage stage, double fraction)
+{
+    uint32_t *left = user;
+    (void)stage;
+    assert_true(fraction >= 0.0 && fraction <= 1.0);
+    return (*left)-- == 0 ? 1 : 0;
+}
+
+/* Of lists as they were given, and after their least corner has moved; deeper than they need, with payload of a few
+   levels, and by a build where there are options that need one. */
+static void commits_are_builds(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    for (variety differs = ONE_OF_EACH; differs <= ALL_DIFFER; ++differs) {
+        svo_voxels *list = random_list(5 + (uint64_t)differs, differs);
+        svo_edit *edit = make_edit(list, NULL);
+        svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+        assert_same_trees(&opened, edit, list, 0, NULL);
+        assert_same_trees(&opened, edit, list, 9, &options);
+        options.payload_level = 4;
+        assert_same_trees(&opened, edit, list, 0, &options);
+        options.fragment_capacity = 100;
+        assert_same_trees(&opened, edit, list, 0, &options);
+        svo_edit_step step = SVO_EDIT_STEP_INIT;
+        step.begin[0] = -30.0;
+        step.end[0] = step.end[1] = step.end[2] = 9.0;
+        memcpy(step.rgba, (const uint8_t[4]){9, 200, 31, 128}, 4);
+        step.material = 7;
+        assert_int_equal(svo_edit_apply(edit, &step, NULL), SVO_OK);
+        svo_voxels *moved = list_of_edit(edit);
+        assert_same_trees(&opened, edit, moved, 0, NULL);
+        svo_voxels_destroy(&moved);
+        svo_edit_destroy(&edit);
+        svo_voxels_destroy(&list);
+    }
+}
+
+static void commits_can_be_stopped(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    svo_edit *edit = make_edit(NULL, NULL);
+    svo_tree *tree = NULL;
+    uint32_t left = 3;
+    const svo_plan_options options = {.struct_size = sizeof options, .progress = count_calls, .progress_user = &left};
+    svo_edit_step step = SVO_EDIT_STEP_INIT;
+    step.end[0] = step.end[1] = step.end[2] = 300.0;
+    assert_int_equal(svo_edit_apply(edit, &step, NULL), SVO_OK);
+    assert_int_equal(svo_edit_commit(edit, opened.device, 0, &options, NULL, &tree, NULL), SVO_CANCELED);
+    assert_non_null(strstr(svo_device_message(opened.device), "svo_edit_commit: the progress callback stopped"));
+    assert_null(tree);
+    left = 1000;
+    svo_build_report report = SVO_BUILD_REPORT_INIT;
+    succeed(&opened, svo_edit_commit(edit, opened.device, 0, &options, NULL, &tree, &report));
+    assert_int_equal(report.fragments, UINT64_C(300) * 300 * 300);
+    assert_string_equal(report.builder, "edit");
+    assert_in_range(left, 0, 998);
+    svo_tree_destroy(&tree);
+    svo_edit_destroy(&edit);
+}
+
+/* ---- mirrors ---- */
+
+enum { PICTURE_WIDTH = 96, PICTURE_HEIGHT = 64, PICTURE_BYTES = PICTURE_WIDTH * PICTURE_HEIGHT * 4 };
+
+static void draw(const fixture *opened, svo_target target, const svo_camera *camera, uint8_t *rgba)
+{
+    svo_render_options options = SVO_RENDER_OPTIONS_INIT;
+    options.camera = *camera;
+    options.width = PICTURE_WIDTH;
+    options.height = PICTURE_HEIGHT;
+    succeed(opened, svo_render(target, &options, svo_in_host(rgba), NULL));
+}
+
+/* How much pictures of the mirror, which is updated, and of the tree that the edit commits differ: the mean of all
+   bytes' differences. away: the camera's distance from the fitted one, as a multiple. */
+static double difference_of_pictures(const fixture *opened, const svo_edit *edit, svo_edit_mirror *mirror, float away)
+{
+    static uint8_t pictures[2][PICTURE_BYTES];
+    svo_tree *tree = NULL;
+    svo_camera camera = {.vertical_fov = 0.0F};
+    uint64_t sum = 0;
+    succeed(opened, svo_edit_commit(edit, opened->device, 0, NULL, opened->queue, &tree, NULL));
+    succeed(opened, svo_edit_mirror_update(mirror, opened->queue));
+    camera.eye[0] = 1.0F;
+    camera.eye[1] = 0.7F;
+    camera.eye[2] = 1.5F;
+    assert_int_equal(svo_camera_fit(svo_tree_target(tree), 1.5F, &camera), SVO_OK);
+    for (int axis = 0; axis < 3; ++axis) {
+        camera.eye[axis] = camera.target[axis] + (camera.eye[axis] - camera.target[axis]) * away;
+    }
+    draw(opened, svo_tree_target(tree), &camera, pictures[0]);
+    draw(opened, svo_edit_mirror_target(mirror), &camera, pictures[1]);
+    svo_tree_destroy(&tree);
+    for (int i = 0; i < PICTURE_BYTES; ++i) {
+        sum += (uint64_t)abs(pictures[0][i] - pictures[1][i]);
+    }
+    return (double)sum / PICTURE_BYTES;
+}
+
+static uint64_t written_by(const svo_edit_mirror *mirror)
+{
+    svo_edit_mirror_info info = SVO_EDIT_MIRROR_INFO_INIT;
+    assert_int_equal(svo_edit_mirror_get_info(mirror, &info), SVO_OK);
+    assert_true(info.device_bytes >= info.written_bytes);
+    return info.written_bytes;
+}
+
+/* Pictures of a mirror are those of the tree, by bytes where voxels are met, and nearly where whole nodes are or where
+   the grid begins elsewhere; and a step copies what it wrote alone. */
+static void mirrors_show_what_is_committed(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    svo_voxels *list = random_list(11, ALL_DIFFER);
+    svo_edit *edit = make_edit(list, NULL);
+    svo_edit_mirror *mirror = NULL;
+    svo_voxels_destroy(&list);
+    succeed(&opened, svo_edit_mirror_create(opened.device, edit, opened.queue, &mirror));
+    const uint64_t all_bytes = written_by(mirror);
+    assert_true(difference_of_pictures(&opened, edit, mirror, 1.0F) == 0.0);
+    assert_int_equal(written_by(mirror), 0);
+    assert_true(difference_of_pictures(&opened, edit, mirror, 6.0F) < 0.5);
+    svo_edit_step step = SVO_EDIT_STEP_INIT;
+    step.shape = SVO_EDIT_SPHERE;
+    step.begin[0] = step.begin[1] = step.begin[2] = 12.0;
+    step.radius = 9.0;
+    memcpy(step.rgba, (const uint8_t[4]){250, 20, 30, 255}, 4);
+    assert_int_equal(svo_edit_apply(edit, &step, NULL), SVO_OK);
+    assert_true(difference_of_pictures(&opened, edit, mirror, 1.0F) == 0.0);
+    assert_in_range(written_by(mirror), info_of(edit).step_bytes, info_of(edit).step_bytes + 64);
+    assert_true(written_by(mirror) < all_bytes);
+    step.begin[0] = -20.0; /* the grid begins elsewhere */
+    assert_int_equal(svo_edit_apply(edit, &step, NULL), SVO_OK);
+    assert_true(difference_of_pictures(&opened, edit, mirror, 1.0F) < 0.5);
+    assert_int_equal(svo_edit_undo(edit), SVO_OK);
+    assert_int_equal(svo_edit_undo(edit), SVO_OK);
+    svo_edit_forget(edit);
+    svo_edit_collect(edit);
+    assert_true(difference_of_pictures(&opened, edit, mirror, 1.0F) == 0.0);
+    assert_in_range(written_by(mirror), all_bytes / 2, all_bytes);
+    svo_edit_mirror_destroy(&mirror);
+    svo_edit_mirror_destroy(&mirror);
+    svo_edit_destroy(&edit);
+}
+
+/* Nothing is background everywhere; what is too wide is refused. */
+static void mirrors_have_limits(void **state)
+{
+    static uint8_t picture[PICTURE_BYTES];
+    const fixture opened = fixture_cl_of_group(state);
+    svo_edit *edit = make_edit(NULL, NULL);
+    svo_edit_mirror *mirror = NULL;
+    succeed(&opened, svo_edit_mirror_create(opened.device, edit, NULL, &mirror));
+    svo_camera camera = {.vertical_fov = 0.0F};
+    camera.eye[2] = 3.0F;
+    assert_int_equal(svo_camera_fit(svo_edit_mirror_target(mirror), 1.5F, &camera), SVO_OK);
+    draw(&opened, svo_edit_mirror_target(mirror), &camera, picture);
+    assert_memory_equal(&picture[0], &picture[4], 4);
+    svo_edit_step step = SVO_EDIT_STEP_INIT;
+    step.end[0] = 1 << 17;
+    step.end[1] = step.end[2] = 1.0;
+    assert_int_equal(svo_edit_apply(edit, &step, NULL), SVO_OK);
+    assert_int_equal(svo_edit_mirror_update(mirror, NULL), SVO_UNSUPPORTED);
+    assert_string_equal(svo_device_message(opened.device),
+                        "svo_edit_mirror_update: the voxels span 131072 x 1 x 1, more than about 2^16 along an axis");
+    svo_edit_mirror *refused = NULL;
+    assert_int_equal(svo_edit_mirror_create(opened.device, NULL, NULL, &refused), SVO_INVALID_ARGUMENT);
+    assert_string_equal(svo_device_message(opened.device), "svo_edit_mirror_create: edit is NULL");
+    assert_int_equal(svo_edit_mirror_update(NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(
+        svo_trace_voxels(svo_edit_mirror_target(mirror), svo_in_host(picture), svo_in_host(picture), 1, 0.0F, 0, NULL),
+        SVO_UNSUPPORTED);
+    svo_edit_mirror_destroy(&mirror);
+    svo_edit_destroy(&edit);
+}
+
 /* ---- refusals ---- */
 
 static void expect_refused(svo_edit *edit, const svo_edit_step *step, const char *words)
@@ -794,11 +1006,20 @@ static void wrong_edits_are_refused(void **state)
 TEST_GROUP(edit)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(steps_are_those_of_a_dense_array), cmocka_unit_test(places_are_found),
-        cmocka_unit_test(long_capsules_keep_what_is_near),  cmocka_unit_test(steps_cost_their_surface),
-        cmocka_unit_test(closed_meshes_are_shapes),         cmocka_unit_test(lists_keep_their_place_and_properties),
-        cmocka_unit_test(empty_edits_have_lists_and_trees), cmocka_unit_test(wrong_steps_are_refused),
-        cmocka_unit_test(what_leaves_the_cube_is_refused),  cmocka_unit_test(wrong_edits_are_refused),
+        cmocka_unit_test(steps_are_those_of_a_dense_array),
+        cmocka_unit_test(places_are_found),
+        cmocka_unit_test(long_capsules_keep_what_is_near),
+        cmocka_unit_test(steps_cost_their_surface),
+        cmocka_unit_test(closed_meshes_are_shapes),
+        cmocka_unit_test(lists_keep_their_place_and_properties),
+        cmocka_unit_test(empty_edits_have_lists_and_trees),
+        cmocka_unit_test(commits_are_builds),
+        cmocka_unit_test(commits_can_be_stopped),
+        cmocka_unit_test(mirrors_show_what_is_committed),
+        cmocka_unit_test(mirrors_have_limits),
+        cmocka_unit_test(wrong_steps_are_refused),
+        cmocka_unit_test(what_leaves_the_cube_is_refused),
+        cmocka_unit_test(wrong_edits_are_refused),
     };
     return cmocka_run_group_tests_name("edit", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -622,7 +622,7 @@ static svo_status run_set_arguments(subject *of)
     return told(of, world.device, svo_kernel_set_arguments(svo_tree_target(of->tree), world.kernel, 0));
 }
 
-/* Two edits, steps of all kinds, a list and a tree. */
+/* Two edits, steps of all kinds, and a list. */
 static svo_status use_edit(subject *of, svo_edit *edit, svo_edit *stamp)
 {
     svo_edit_step step = SVO_EDIT_STEP_INIT;
@@ -653,6 +653,7 @@ static svo_status use_edit(subject *of, svo_edit *edit, svo_edit *stamp)
 static svo_status run_edit(subject *of)
 {
     svo_edit *edit = NULL, *stamp = NULL;
+    svo_edit_mirror *mirror = NULL;
     svo_tree *tree = NULL;
     svo_status status = svo_edit_create(NULL, NULL, &edit, &of->message);
     if (status == SVO_OK) {
@@ -667,6 +668,14 @@ static svo_status run_edit(subject *of)
     if (status == SVO_OK) {
         status = told(of, world.device, digest_tree(of, tree));
     }
+    if (status == SVO_OK) {
+        status = told(of, world.device, svo_edit_mirror_create(world.device, edit, world.queue, &mirror));
+    }
+    if (status == SVO_OK) {
+        (void)svo_edit_undo(edit);
+        status = told(of, world.device, svo_edit_mirror_update(mirror, world.queue));
+    }
+    svo_edit_mirror_destroy(&mirror);
     svo_tree_destroy(&tree);
     svo_edit_destroy(&stamp);
     svo_edit_destroy(&edit);

@@ -42,8 +42,7 @@ static svo_status make_plan(const program *state, svo_device *device, const inpu
     return status;
 }
 
-/* An svo_progress_callback whose user is the program's bar. */
-static int show_progress(void *user, svo_stage stage, double fraction)
+int job_show_progress(void *user, svo_stage stage, double fraction)
 {
     progress_part(user, svo_name(SVO_NAME_STAGE, stage), fraction);
     return progress_stops(user) ? 1 : 0;
@@ -74,7 +73,7 @@ int job_plan(program *state, svo_device *device, const input *source, uint32_t n
     }
     svo_plan_options plan_options = job_plan_options(state, need);
     if (state->progress != NULL && given->repeat == 1) { /* builds that report wait more often: not where times count */
-        plan_options.progress = show_progress;
+        plan_options.progress = job_show_progress;
         plan_options.progress_user = state->progress;
     }
     return make_plan(state, device, source, &plan_options, out) == SVO_OK

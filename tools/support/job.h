@@ -41,6 +41,8 @@ int job_run(program *state, uint32_t need, unsigned further_steps, job *done);
 int job_load(program *state, unsigned further_steps, job *done);
 void job_release(job *done);
 
+/* An svo_progress_callback whose user is the program's bar. */
+int job_show_progress(void *user, svo_stage stage, double fraction);
 /* The options of a plan on the command line, with the svo_need bits of need. */
 svo_plan_options job_plan_options(const program *state, uint32_t need);
 /* Plans the source by the options, with the svo_need bits of need. Returns the exit code. */

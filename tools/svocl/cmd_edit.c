@@ -11,6 +11,7 @@
 #include "support/table.h"
 #include "support/tree_form.h"
 #include "svocl/commands.h"
+#include "svocl/edit_mesh.h"
 #include "svocl/edit_script.h"
 
 /* What was read, made and written. */
@@ -22,7 +23,7 @@ typedef struct editing {
     uint64_t step_count;
     double edit_ms; /* of the steps, without what they read */
     svo_edit_info info; /* after the last one */
-    job made; /* source.voxels: the edited ones */
+    job made; /* source.voxels: the edited ones, where a list is needed */
     svo_compact *compact;
     svo_voxels_save_info written;
     svo_tree_info tree;
@@ -69,7 +70,18 @@ static int fail_step(program *state, const edit_script *script, const svo_messag
     return edit_script_fail(state, script, PROGRAM_FAILED, program_words(message->text));
 }
 
-static int apply_file(program *state, const edit_script *script, script_step *step, svo_edit *edit)
+/* The voxels of the file that a step names. */
+static int read_operand(program *state, const edit_script *script, const script_step *step, session *opened,
+                        voxel_input *out)
+{
+    if (!step->is_mesh) {
+        return read_voxels(state, step->file, out);
+    }
+    *out = (voxel_input){.list = SVO_VOXELS_INFO_INIT};
+    return edit_mesh_make(state, script, step, opened, &out->voxels);
+}
+
+static int apply_file(program *state, const edit_script *script, script_step *step, editing *done)
 {
     voxel_input opened;
     svo_edit *other = NULL;
@@ -78,13 +90,13 @@ static int apply_file(program *state, const edit_script *script, script_step *st
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    exit_code = read_voxels(state, step->file, &opened);
+    exit_code = read_operand(state, script, step, &done->made.opened, &opened);
     if (exit_code == PROGRAM_DONE) {
         exit_code = create_edit(state, &opened, &other);
     }
     voxel_input_close(&opened);
     step->step.other = other;
-    if (exit_code == PROGRAM_DONE && svo_edit_apply(edit, &step->step, &message) != SVO_OK) {
+    if (exit_code == PROGRAM_DONE && svo_edit_apply(done->edit, &step->step, &message) != SVO_OK) {
         exit_code = fail_step(state, script, &message);
     }
     svo_edit_destroy(&other);
@@ -103,8 +115,9 @@ static int go_back_or_forth(program *state, const edit_script *script, const scr
     return PROGRAM_DONE;
 }
 
-static int do_step(program *state, const edit_script *script, script_step *step, svo_edit *edit)
+static int do_step(program *state, const edit_script *script, script_step *step, editing *done)
 {
+    svo_edit *edit = done->edit;
     svo_message message = {""};
     switch (step->action) {
     case SCRIPT_UNDO:
@@ -115,7 +128,7 @@ static int do_step(program *state, const edit_script *script, script_step *step,
                                                                                   : fail_step(state, script, &message);
     default:
         if (step->file != NULL) {
-            return apply_file(state, script, step, edit);
+            return apply_file(state, script, step, done);
         }
         return svo_edit_apply(edit, &step->step, &message) == SVO_OK ? PROGRAM_DONE
                                                                      : fail_step(state, script, &message);
@@ -134,7 +147,7 @@ static int run_script(program *state, editing *done)
             break;
         }
         const double started_ms = input_now_ms();
-        exit_code = do_step(state, &script, &step, done->edit);
+        exit_code = do_step(state, &script, &step, done);
         done->edit_ms += step.file == NULL ? input_now_ms() - started_ms : 0.0;
         ++done->step_count;
     }
@@ -142,12 +155,10 @@ static int run_script(program *state, editing *done)
     return exit_code;
 }
 
-/* Edits INPUT; the voxels become the source of the build. */
-static int make_voxels(program *state, editing *done)
+/* Edits INPUT. */
+static int edit_voxels(program *state, editing *done)
 {
     voxel_input opened;
-    svo_message message = {""};
-    voxel_input *result = &done->made.source.voxels;
     progress_step(state->progress, "reading the voxels");
     int exit_code = read_voxels(state, state->options.input, &opened);
     if (exit_code == PROGRAM_DONE) {
@@ -164,10 +175,15 @@ static int make_voxels(program *state, editing *done)
     (void)svo_edit_get_info(done->edit, &done->info);
     done->voxels_before = done->info.voxel_count;
     exit_code = run_script(state, done);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
-    }
     (void)svo_edit_get_info(done->edit, &done->info);
+    return exit_code;
+}
+
+/* The edited voxels become a list, the source of a build. */
+static int list_voxels(program *state, editing *done)
+{
+    svo_message message = {""};
+    voxel_input *result = &done->made.source.voxels;
     done->made.source.name = state->options.input;
     if (svo_edit_get_voxels(done->edit, &result->voxels, &message) != SVO_OK) {
         return program_fail_library(state, message.text);
@@ -188,8 +204,11 @@ static int write_file(program *state, editing *done)
     output_file file;
     svo_message message = {""};
     const char *path = state->options.output_path;
+    int exit_code = list_voxels(state, done);
     progress_step(state->progress, "writing the voxels");
-    const int exit_code = output_open(state, path, &file);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = output_open(state, path, &file);
+    }
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
@@ -202,12 +221,38 @@ static int write_file(program *state, editing *done)
     return output_commit(state, &file);
 }
 
+/* Without kernels, unless a builder is asked for. */
+static int make_tree(program *state, editing *done)
+{
+    build_result *result = &done->made.result;
+    const session *opened = &done->made.opened;
+    const options *given = &state->options;
+    const svo_plan_options asked = {.struct_size = sizeof asked,
+                                    .need = given->need,
+                                    .payload_level = (uint32_t)given->payload_level,
+                                    .progress = state->progress != NULL ? job_show_progress : NULL,
+                                    .progress_user = state->progress};
+    if (given->has_builder) {
+        const int exit_code = list_voxels(state, done);
+        return exit_code == PROGRAM_DONE ? job_build(state, given->need, &done->made) : exit_code;
+    }
+    progress_step(state->progress, "writing the tree");
+    if (svo_edit_commit(done->edit, opened->device, given->has_depth ? (unsigned)given->depth : 0, &asked,
+                        opened->queue, &result->tree, NULL) != SVO_OK ||
+        svo_tree_download(result->tree, opened->queue) != SVO_OK) {
+        return program_fail_library(state, svo_device_message(opened->device));
+    }
+    result->info = (svo_tree_info)SVO_TREE_INFO_INIT;
+    (void)svo_tree_get_info(result->tree, &result->info);
+    return PROGRAM_DONE;
+}
+
 static int write_tree(program *state, editing *done)
 {
     job *made = &done->made;
-    int exit_code = session_open(state, &made->opened);
+    int exit_code = made->opened.device != NULL ? PROGRAM_DONE : session_open(state, &made->opened);
     if (exit_code == PROGRAM_DONE) {
-        exit_code = job_build(state, state->options.need, made);
+        exit_code = make_tree(state, done);
     }
     if (exit_code == PROGRAM_DONE && done->to == OUTPUT_COMPACT) {
         exit_code = tree_form_make(state, &made->opened, made->result.tree, &done->compact);
@@ -311,7 +356,7 @@ int command_edit(program *state)
     int exit_code = check_arguments(state, &done);
     if (exit_code == PROGRAM_DONE) {
         program_begin_progress(state, done.to == OUTPUT_VOXELS ? 3 : done.to == OUTPUT_COMPACT ? 6 : 5);
-        exit_code = make_voxels(state, &done);
+        exit_code = edit_voxels(state, &done);
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = done.to == OUTPUT_VOXELS ? write_file(state, &done) : write_tree(state, &done);

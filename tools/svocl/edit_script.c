@@ -208,6 +208,56 @@ static int read_color(program *state, edit_script *script, uint8_t rgba[4])
     return PROGRAM_DONE;
 }
 
+/* ---- meshes ---- */
+
+/* Turns what was turned before by an angle about an axis; quarters are exact. */
+static void turn(double matrix[3][3], int axis, double degrees)
+{
+    static const double quarters[4][2] = {{1.0, 0.0}, {0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}}; /* cosine, sine */
+    const double quarter = fmod(degrees / 90.0, 4.0) + (fmod(degrees / 90.0, 4.0) < 0.0 ? 4.0 : 0.0);
+    const bool exact = quarter == floor(quarter) && quarter < 4.0;
+    const double radians = degrees * (3.14159265358979323846 / 180.0);
+    const double cosine = exact ? quarters[(int)quarter][0] : cos(radians);
+    const double sine = exact ? quarters[(int)quarter][1] : sin(radians);
+    double *first = matrix[(axis + 1) % 3];
+    double *second = matrix[(axis + 2) % 3];
+    for (int i = 0; i < 3; ++i) {
+        const double a = first[i];
+        const double b = second[i];
+        first[i] = cosine * a - sine * b;
+        second[i] = sine * a + cosine * b;
+    }
+}
+
+static int read_turn(program *state, edit_script *script, script_mesh *out)
+{
+    static const double range[2] = {-1e6, 1e6};
+    double degrees = 0.0;
+    const char *word = next_word(script);
+    if (word == NULL || strlen(word) != 1 || word[0] < 'x' || word[0] > 'z') {
+        return fail_word(state, script, word, "an axis: x, y or z");
+    }
+    const int exit_code = read_number(state, script, "a number of degrees", range, false, &degrees);
+    turn(out->turn, word[0] - 'x', degrees);
+    return exit_code;
+}
+
+/* What follows the file of a mesh: the rule, scale, turns and place, in this order; all may be left out. */
+static int read_mesh(program *state, edit_script *script, script_mesh *out)
+{
+    static const double scales[2] = {1e-9, 1e9};
+    int exit_code = PROGRAM_DONE;
+    *out = (script_mesh){.scale = 1.0, .turn = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}};
+    out->rule = take(script, "parity") ? SVO_SOLID_PARITY : SVO_SOLID_WINDING;
+    if (take(script, "scale")) {
+        exit_code = read_number(state, script, "a scale, 1e-9 .. 1e9", scales, false, &out->scale);
+    }
+    while (exit_code == PROGRAM_DONE && take(script, "turn")) {
+        exit_code = read_turn(state, script, out);
+    }
+    return exit_code == PROGRAM_DONE && take(script, "at") ? read_place(state, script, out->at) : exit_code;
+}
+
 /* ---- steps ---- */
 
 /* The shape and its numbers. */
@@ -216,21 +266,25 @@ static int read_shape(program *state, edit_script *script, script_step *out)
     static const double radii[2] = {0.0, 1073741824.0};
     svo_edit_step *step = &out->step;
     const char *word = next_word(script);
-    step->shape = SVO_EDIT_BOX;
-    while (step->shape <= SVO_EDIT_VOXELS &&
+    out->is_mesh = word != NULL && strcmp(word, "mesh") == 0 && out->action != SCRIPT_COPY;
+    step->shape = out->is_mesh ? SVO_EDIT_VOXELS : SVO_EDIT_BOX;
+    while (!out->is_mesh && step->shape <= SVO_EDIT_VOXELS &&
            (word == NULL || strcmp(word, svo_name(SVO_NAME_EDIT_SHAPE, step->shape)) != 0)) {
         ++step->shape;
     }
     if (step->shape > SVO_EDIT_VOXELS || (out->action == SCRIPT_COPY && step->shape == SVO_EDIT_VOXELS)) {
         return fail_word(state, script, word,
-                         out->action == SCRIPT_COPY ? "box, sphere or capsule" : "box, sphere, capsule or voxels");
+                         out->action == SCRIPT_COPY ? "box, sphere or capsule"
+                                                    : "box, sphere, capsule, voxels or mesh");
     }
     if (step->shape == SVO_EDIT_VOXELS) {
         out->file = next_word(script);
         if (out->file == NULL || out->file[0] == '\0') {
-            return fail_word(state, script, NULL, "the file of voxels");
+            return fail_word(state, script, NULL, out->is_mesh ? "the file of a mesh" : "the file of voxels");
         }
-        return take(script, "at") ? read_offset(state, script, step->offset) : PROGRAM_DONE;
+        return out->is_mesh         ? read_mesh(state, script, &out->mesh)
+               : take(script, "at") ? read_offset(state, script, step->offset)
+                                    : PROGRAM_DONE;
     }
     int exit_code = read_place(state, script, step->begin);
     if (exit_code == PROGRAM_DONE && step->shape != SVO_EDIT_SPHERE) {
@@ -248,10 +302,12 @@ static int read_payload(program *state, edit_script *script, script_step *out)
     static const double materials[2] = {0.0, MATERIAL_MAX};
     svo_edit_step *step = &out->step;
     int exit_code = PROGRAM_DONE;
-    if (step->verb == SVO_EDIT_CLEAR || step->verb == SVO_EDIT_KEEP || step->shape == SVO_EDIT_VOXELS) {
+    if (step->verb == SVO_EDIT_CLEAR || step->verb == SVO_EDIT_KEEP ||
+        (step->shape == SVO_EDIT_VOXELS && !out->is_mesh)) {
         return PROGRAM_DONE;
     }
-    if (take(script, "color")) {
+    out->has_color = take(script, "color");
+    if (out->has_color) {
         exit_code = read_color(state, script, step->rgba);
     }
     if (exit_code == PROGRAM_DONE && take(script, "material")) {

@@ -3,8 +3,11 @@
 #ifndef SVOCL_TOOLS_SVOCL_EDIT_SCRIPT_H
 #define SVOCL_TOOLS_SVOCL_EDIT_SCRIPT_H
 
+#include <stdbool.h>
+
 #include "support/program.h"
 #include "svocl/edit.h"
+#include "svocl/solid.h"
 
 #define SCRIPT_WORDS_MAX 32
 
@@ -16,10 +19,21 @@ typedef enum script_action {
     SCRIPT_REDO
 } script_action;
 
+/* How a mesh becomes voxels: turned about the origin, scaled, then moved. */
+typedef struct script_mesh {
+    svo_solid_rule rule;
+    double scale;
+    double turn[3][3]; /* rows */
+    double at[3];
+} script_mesh;
+
 typedef struct script_step {
     script_action action;
     svo_edit_step step; /* of apply; of copy, the region */
     const char *file; /* of SVO_EDIT_VOXELS; in the script's text */
+    bool is_mesh; /* the file is one of a mesh, whose voxels are those of a step with SVO_EDIT_VOXELS */
+    script_mesh mesh;
+    bool has_color; /* the line names one */
     int32_t offset[3]; /* of copy */
     uint32_t count; /* of undo and redo */
 } script_step;
