@@ -75,6 +75,7 @@ typedef enum svo_form {
     SVO_FORM_DESCRIPTOR = 0, /**< a word per inner node, in an order of short distances */
     SVO_FORM_IMPLIED = 1, /**< child masks alone, and a directory */
     SVO_FORM_SHARED = 2, /**< equal subtrees are stored once */
+    SVO_FORM_MIRRORED = 3, /**< subtrees that are equal up to reflections are stored once */
     SVO_FORM_COUNT /**< number of forms */
 } svo_form;
 
