@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * From nodes to records of the forms "shared" and "mirrored". Bottom-up, level by level: each node's record is made from
- * the records of its children, looked up in a hash table, and appended if no earlier node of the level has the same. So
- * records are numbered by their first node in Morton order, and equal occupancy gives equal words, whatever the hash
- * function.
+ * From nodes to records of the forms "shared" and "mirrored". Bottom-up, level by level: each node's record is made
+ * from the records of its children, looked up in a hash table, and appended if no earlier node of the level has the
+ * same. So records are numbered by their first node in Morton order, and equal occupancy gives equal words, whatever
+ * the hash function.
  *
  * Kampe, Sintorn and Assarsson (2013) sort the nodes of a level instead. On the host a hash table does the same in one
  * pass, and keeps the order.

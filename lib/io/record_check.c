@@ -267,7 +267,7 @@ static svo_status find_level(mirrored_check *job, uint32_t level, uint32_t *at, 
     while (*at < end) {
         uint32_t next = 0;
         /* Of the last word a half may be free. */
-        if (last && *known > job->level_begin[level] && *at + 1 == end && half_at(job, *at) == 0) {
+        if (last && *at > 0 && *at + 1 == end && half_at(job, *at) == 0) {
             break;
         }
         SVO_I_TRY(measure_halves(job, *at, levels, end, &next));

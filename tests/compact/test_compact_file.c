@@ -177,15 +177,6 @@ static void what_is_saved_is_loaded(void **state)
     }
 }
 
-/* ---- whether voxels are those of the mesh as it was given ---- */
-
-static uint32_t exactness_of(const svo_compact *compact)
-{
-    svo_compact_info info = SVO_COMPACT_INFO_INIT;
-    assert_int_equal(svo_compact_get_info(compact, &info), SVO_OK);
-    return info.is_exact;
-}
-
 /* What the bytes of a file hold. */
 static svo_compact *load_bytes(const bytes *file)
 {
@@ -195,6 +186,44 @@ static svo_compact *load_bytes(const bytes *file)
         fail_msg("%s", message.text);
     }
     return loaded;
+}
+
+/* Of eight nodes, as many as the user's number are full. */
+static uint8_t block_mask(void *user, uint32_t level, uint64_t code)
+{
+    return level == 0 || code % 8 < *(const uint64_t *)user ? 255 : 129;
+}
+
+/* Levels may have no nodes at all, and leaves lie on any. */
+static void merged_trees_are_loaded(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    for (uint32_t turn = 0; turn < 9 * SVO_FORM_COUNT; ++turn) {
+        const svo_compact_options options = {
+            .struct_size = sizeof options, .form = (svo_form)(turn % SVO_FORM_COUNT), .minimize = 1};
+        uint64_t full = turn / SVO_FORM_COUNT % 3 * 4;
+        svo_tree *tree = hand_tree(2 + turn / SVO_FORM_COUNT / 3, block_mask, &full, 0, 0);
+        svo_compact *made = NULL;
+        assert_int_equal(svo_compact_create(opened.device, tree, &options, opened.queue, &made), SVO_OK);
+        assert_int_equal(svo_compact_download(made, opened.queue), SVO_OK);
+        assert_true(full < 8 || made->info.leaf_count == 8);
+        bytes file = bytes_of(made, false);
+        svo_compact *loaded = load_bytes(&file);
+        assert_same(made, loaded);
+        free(file.data);
+        svo_compact_destroy(&loaded);
+        svo_compact_destroy(&made);
+        svo_tree_destroy(&tree);
+    }
+}
+
+/* ---- whether voxels are those of the mesh as it was given ---- */
+
+static uint32_t exactness_of(const svo_compact *compact)
+{
+    svo_compact_info info = SVO_COMPACT_INFO_INIT;
+    assert_int_equal(svo_compact_get_info(compact, &info), SVO_OK);
+    return info.is_exact;
 }
 
 /* Checks the tree that a compact tree expands to, its .svo file, and what it is made compact to again. */
@@ -527,6 +556,7 @@ TEST_GROUP(compact_seeds)
 TEST_GROUP(compact_file)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_saved_is_loaded),
+                                       cmocka_unit_test(merged_trees_are_loaded),
                                        cmocka_unit_test(exactness_is_kept),
                                        cmocka_unit_test(older_files_are_not_exact),
                                        cmocka_unit_test(every_cut_and_every_flipped_bit_is_noticed),

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * SVO_FORM_SHARED and SVO_FORM_MIRRORED (svocl/compact.h): the records of trees of all kinds against readers that are
- * written after the text of the header alone, the number of records against a map of subtrees as strings, places against
- * a depth-first walk, sizes against closed forms, and what expanding gives back.
+ * written after the text of the header alone, the number of records against a map of subtrees as strings, places
+ * against a depth-first walk, sizes against closed forms, and what expanding gives back.
  */
 #include <setjmp.h>
 #include <stdarg.h>
