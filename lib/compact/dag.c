@@ -36,6 +36,19 @@ typedef struct level_records {
     size_t record_count;
 } level_records;
 
+/* A node's children by octant: valid mask << 3 above voxels, else the record << 3 | mirror. */
+typedef struct siblings {
+    uint32_t valid, leaves, levels; /* levels: from the node to the voxels */
+    uint32_t references[8];
+} siblings;
+
+/* Most nodes have the children of a node shortly before, so that its record is known without looking for its mirror. */
+#define KNOWN_COUNT 0x4000u
+typedef struct known_siblings {
+    siblings of; /* levels 0: none */
+    uint32_t reference; /* the node's record << 3 | mirror */
+} known_siblings;
+
 typedef struct encoder {
     const svo_i_dag_nodes *nodes;
     bool places;
@@ -49,6 +62,7 @@ typedef struct encoder {
     uint32_t *subtree_places; /* per such node: the places of its subtree; NULL without places */
     uint32_t *slots; /* hash table of the current level: first word of a record plus one, 0 for none */
     size_t slot_count;
+    known_siblings *known; /* KNOWN_COUNT of them, by hash; NULL in the form "shared" */
 } encoder;
 
 static svo_status fail_memory(const encoder *made, size_t bytes)
@@ -216,13 +230,6 @@ static void make_record(const encoder *made, uint32_t node, uint32_t levels, uin
 
 /* ---- one record of the form "mirrored" ---- */
 
-/* A node's children by octant: valid mask << 3 above voxels, else the record << 3 | mirror. */
-typedef struct siblings {
-    uint32_t valid, leaves, levels;
-    uint32_t references[8];
-    uint32_t symmetries[8]; /* of their records: the mirrors that change nothing */
-} siblings;
-
 static siblings find_siblings(const encoder *made, uint32_t node, uint32_t levels)
 {
     siblings found = {.valid = made->nodes->valid[node], .leaves = made->nodes->leaf[node], .levels = levels};
@@ -231,13 +238,7 @@ static siblings find_siblings(const encoder *made, uint32_t node, uint32_t level
         if ((found.valid >> octant & ~(found.leaves >> octant) & 1) == 0) {
             continue;
         }
-        if (levels == 2) {
-            found.references[octant] = (uint32_t)made->nodes->valid[child] << 3;
-        } else {
-            const level_records *below = &made->levels[made->nodes->depth - levels + 1];
-            found.references[octant] = made->record_of[child];
-            found.symmetries[octant] = below->words[made->record_of[child] >> 3] >> 16 & 0xff;
-        }
+        found.references[octant] = levels == 2 ? (uint32_t)made->nodes->valid[child] << 3 : made->record_of[child];
         ++child;
     }
     return found;
@@ -254,7 +255,7 @@ static uint32_t least_mirror(uint32_t symmetries, uint32_t mirror)
 }
 
 /* What a mirrored node has in an octant: 0 for nothing, 1 for a leaf, 2 and more for an inner child. */
-static uint32_t mirrored_key(const siblings *of, uint32_t octant, uint32_t mirror)
+static uint32_t mirrored_key(const encoder *made, const siblings *of, uint32_t octant, uint32_t mirror)
 {
     const uint32_t from = octant ^ mirror;
     const uint32_t reference = of->references[from];
@@ -264,12 +265,15 @@ static uint32_t mirrored_key(const siblings *of, uint32_t octant, uint32_t mirro
     if ((of->leaves >> from & 1) != 0) {
         return 1;
     }
-    return 2 + (of->levels == 2 ? svo_mirrored_mask(reference >> 3, mirror) << 3
-                                : (reference & ~7u) | least_mirror(of->symmetries[from], (reference & 7) ^ mirror));
+    if (of->levels == 2) {
+        return 2 + (svo_mirrored_mask(reference >> 3, mirror) << 3);
+    }
+    const uint32_t *record = made->levels[made->nodes->depth - of->levels + 1].words + (reference >> 3);
+    return 2 + ((reference & ~7u) | least_mirror(record[0] >> 16 & 0xff, (reference & 7) ^ mirror));
 }
 
 /* The mirrors, one bit each, that give the least of the eight mirrored nodes. */
-static uint32_t find_mirrors(const siblings *of)
+static uint32_t find_mirrors(const encoder *made, const siblings *of)
 {
     uint32_t mirrors = 0xff;
     for (uint32_t octant = 0; octant < 8 && (mirrors & (mirrors - 1)) != 0; ++octant) {
@@ -277,7 +281,7 @@ static uint32_t find_mirrors(const siblings *of)
         uint32_t kept = 0;
         for (uint32_t mirror = 0; mirror < 8; ++mirror) {
             if ((mirrors >> mirror & 1) != 0) {
-                const uint32_t key = mirrored_key(of, octant, mirror);
+                const uint32_t key = mirrored_key(made, of, octant, mirror);
                 kept = key < least ? 0 : kept;
                 least = key < least ? key : least;
                 kept |= key == least ? 1u << mirror : 0;
@@ -290,20 +294,19 @@ static uint32_t find_mirrors(const siblings *of)
 
 /* Makes a node's record as make_record does, and returns the mirror that leads from it to the node. The root has none:
    it stays as it is. */
-static uint32_t make_mirrored(const encoder *made, uint32_t node, uint32_t levels, uint32_t *record)
+static uint32_t make_mirrored(const encoder *made, uint32_t node, const siblings *of, uint32_t *record)
 {
-    const siblings of = find_siblings(made, node, levels);
-    const uint32_t mirrors = node == 0 ? 1 : find_mirrors(&of);
+    const uint32_t mirrors = node == 0 ? 1 : find_mirrors(made, of);
     const uint32_t mirror = least_mirror(mirrors, 0);
     uint32_t symmetries = 0;
     for (uint32_t other = 0; other < 8; ++other) {
         symmetries |= (mirrors >> (other ^ mirror) & 1) << other;
     }
-    record[0] = svo_mirrored_mask(of.valid, mirror) | svo_mirrored_mask(of.leaves, mirror) << 8 | symmetries << 16;
+    record[0] = svo_mirrored_mask(of->valid, mirror) | svo_mirrored_mask(of->leaves, mirror) << 8 | symmetries << 16;
     record[1] = made->places ? made->subtree_places[node] : 0;
     uint32_t *reference = record + (made->places ? 2 : 1);
     for (uint32_t octant = 0; octant < 8; ++octant) {
-        const uint32_t key = mirrored_key(&of, octant, mirror);
+        const uint32_t key = mirrored_key(made, of, octant, mirror);
         if (key > 1) {
             *reference++ = key - 2;
         }
@@ -325,35 +328,54 @@ static void count_places(encoder *made, uint32_t node, uint32_t levels)
     made->subtree_places[node] = places;
 }
 
+/* Finds or makes the record of a node. */
+static svo_status encode_node(encoder *made, level_records *records, uint32_t node, uint32_t levels)
+{
+    uint32_t first_word = 0;
+    uint32_t mirror = 0;
+    known_siblings *known = NULL;
+    siblings of = {.levels = 0};
+    if (made->mirrored) {
+        of = find_siblings(made, node, levels);
+        known = &made->known[XXH3_64bits(&of, sizeof of) & (KNOWN_COUNT - 1)];
+        if (memcmp(&known->of, &of, sizeof of) == 0) {
+            made->record_of[node] = known->reference;
+            return SVO_OK;
+        }
+    }
+    if (records->word_count > level_words_max(made)) {
+        return fail_words(made, records->word_count + SVO_SHARED_RECORD_WORDS_MAX);
+    }
+    uint32_t *record = reserve_record(made, records);
+    if (record == NULL) {
+        return fail_memory(made, (records->word_capacity + SVO_SHARED_RECORD_WORDS_MAX) * sizeof *record);
+    }
+    if (made->mirrored) {
+        mirror = make_mirrored(made, node, &of, record);
+    } else {
+        make_record(made, node, levels, record);
+    }
+    SVO_I_TRY(unify_record(made, records, record, levels, &first_word));
+    made->record_of[node] = first_word;
+    if (made->mirrored) {
+        made->record_of[node] = first_word << 3 | mirror;
+        *known = (known_siblings){of, made->record_of[node]};
+    }
+    return SVO_OK;
+}
+
 static svo_status encode_level(encoder *made, uint32_t level)
 {
     const svo_i_dag_nodes *nodes = made->nodes;
     const uint32_t levels = nodes->depth - level;
-    level_records *records = &made->levels[level];
     svo_i_free(made->slots);
     made->slots = NULL;
     made->slot_count = 0;
     for (uint32_t node = nodes->level_begin[level]; node < nodes->level_begin[level + 1]; ++node) {
-        uint32_t first_word = 0;
-        if (records->word_count > level_words_max(made)) {
-            return fail_words(made, records->word_count + SVO_SHARED_RECORD_WORDS_MAX);
-        }
-        uint32_t *record = reserve_record(made, records);
-        if (record == NULL) {
-            return fail_memory(made, (records->word_capacity + SVO_SHARED_RECORD_WORDS_MAX) * sizeof *record);
-        }
         if (made->places) {
             count_places(made, node, levels);
         }
-        if (made->mirrored) {
-            const uint32_t mirror = make_mirrored(made, node, levels, record);
-            SVO_I_TRY(unify_record(made, records, record, levels, &first_word));
-            made->record_of[node] = first_word << 3 | mirror;
-        } else {
-            make_record(made, node, levels, record);
-            SVO_I_TRY(unify_record(made, records, record, levels, &first_word));
-            made->record_of[node] = first_word;
-        }
+        SVO_I_TRY(encode_node(made, &made->levels[level], node, levels));
     }
     return SVO_OK;
 }
@@ -688,6 +710,10 @@ static svo_status encode(encoder *made, svo_i_dag *out, uint32_t *place_of)
     if (made->record_of == NULL || (made->places && made->subtree_places == NULL)) {
         return fail_memory(made, bytes);
     }
+    made->known = made->mirrored ? svo_i_alloc_zeroed(made->memory, KNOWN_COUNT, sizeof *made->known) : NULL;
+    if (made->mirrored && made->known == NULL) {
+        return fail_memory(made, KNOWN_COUNT * sizeof *made->known);
+    }
     for (uint32_t level = level_count; level-- > 0;) {
         SVO_I_TRY(encode_level(made, level));
     }
@@ -719,6 +745,7 @@ svo_status svo_i_dag_encode(const char *function, const svo_i_dag_nodes *nodes, 
     svo_i_free(made.record_of);
     svo_i_free(made.subtree_places);
     svo_i_free(made.slots);
+    svo_i_free(made.known);
     return status;
 }
 
