@@ -67,8 +67,8 @@ typedef struct encoder {
 
 static svo_status fail_memory(const encoder *made, size_t bytes)
 {
-    return svo_i_fail(made->message, SVO_OUT_OF_HOST_MEMORY, "%s: shared records need %zu bytes", made->function,
-                      bytes);
+    (void)svo_i_fail(made->message, SVO_OUT_OF_HOST_MEMORY, "%s: shared records need %zu bytes", made->function, bytes);
+    return SVO_OUT_OF_HOST_MEMORY; /* not SVO_OK, as the analyzer sees */
 }
 
 static svo_status fail_words(const encoder *made, size_t count)
@@ -159,7 +159,7 @@ static svo_status unify_record(encoder *made, level_records *level, const uint32
                                uint32_t *first_word)
 {
     const size_t words = record_words(made, record, levels);
-    if (2 * (level->record_count + 1) > made->slot_count) {
+    if (made->slots == NULL || 2 * (level->record_count + 1) > made->slot_count) {
         SVO_I_TRY(grow_table(made, level, levels));
     }
     size_t slot = slot_of(made, record, words);
@@ -357,7 +357,7 @@ static svo_status encode_node(encoder *made, level_records *records, uint32_t no
     }
     SVO_I_TRY(unify_record(made, records, record, levels, &first_word));
     made->record_of[node] = first_word;
-    if (made->mirrored) {
+    if (known != NULL) {
         made->record_of[node] = first_word << 3 | mirror;
         *known = (known_siblings){of, made->record_of[node]};
     }
@@ -476,14 +476,15 @@ static svo_status rank_level(layout *l, uint32_t level)
 static uint32_t head_of(const layout *l, uint32_t level, const uint32_t *record)
 {
     const uint32_t inner = inner_of(record);
+    const uint32_t *at = l->at[level + 1];
     uint32_t wide = record[0] >> 8 & 0xff;
     uint32_t rank = 0;
-    if (l->made->nodes->depth - level <= 2) {
-        return record[0] & 0xff;
+    if (at == NULL) {
+        return record[0] & 0xff; /* no level below has records */
     }
     for (uint32_t octant = 0; octant < 8; ++octant) {
         if ((inner >> octant & 1) != 0) {
-            const uint32_t place = l->at[level + 1][references_of(l->made, record)[rank] >> 3];
+            const uint32_t place = at[references_of(l->made, record)[rank] >> 3];
             wide |= place >= SVO_MIRRORED_SHORT_PLACES ? 1u << octant : 0;
             ++rank;
         }
@@ -550,6 +551,7 @@ static void write_references(const layout *l, uint32_t level, const uint32_t *re
     const uint32_t inner = svo_count_bits(inner_of(record));
     const uint32_t numbers = svo_shared_number_count(record[0] & 0xffff, l->made->places);
     const uint32_t *references = references_of(l->made, record);
+    const uint32_t *at = l->at[level + 1];
     uint32_t before = 0;
     put_half(to, head_of(l, level, record));
     for (uint32_t rank = 0; rank < numbers; ++rank) {
@@ -559,8 +561,8 @@ static void write_references(const layout *l, uint32_t level, const uint32_t *re
             put_half(to, before >> 16);
         }
     }
-    for (uint32_t rank = 0; rank < inner; ++rank) {
-        const uint32_t place = l->at[level + 1][references[rank] >> 3];
+    for (uint32_t rank = 0; rank < inner && at != NULL; ++rank) {
+        const uint32_t place = at[references[rank] >> 3];
         put_half(to, (place & (SVO_MIRRORED_SHORT_PLACES - 1)) | references[rank] << 13);
         if (place >= SVO_MIRRORED_SHORT_PLACES) {
             put_half(to, place >> 13);

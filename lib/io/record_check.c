@@ -228,8 +228,9 @@ typedef struct mirrored_check {
 
 static svo_status fail_half(const mirrored_check *job, uint64_t at, const char *what)
 {
-    return svo_i_fail(job->message, SVO_FILE_DAMAGED, "%s: mirrored record at half word %llu: %s", job->dag->name,
-                      (unsigned long long)at, what);
+    (void)svo_i_fail(job->message, SVO_FILE_DAMAGED, "%s: mirrored record at half word %llu: %s", job->dag->name,
+                     (unsigned long long)at, what);
+    return SVO_FILE_DAMAGED; /* not SVO_OK, as the analyzer sees */
 }
 
 static uint32_t half_at(const mirrored_check *job, uint32_t at)
@@ -295,8 +296,9 @@ static svo_status find_records(mirrored_check *job, uint32_t level_count)
     job->counts->records = known;
     job->records = svo_i_alloc_zeroed(job->dag->memory, known, sizeof *job->records);
     if (job->records == NULL) {
-        return svo_i_fail(job->message, SVO_OUT_OF_HOST_MEMORY, "%s: %u records need %zu bytes to check",
-                          job->dag->name, known, known * sizeof *job->records);
+        (void)svo_i_fail(job->message, SVO_OUT_OF_HOST_MEMORY, "%s: %u records need %zu bytes to check", job->dag->name,
+                         known, known * sizeof *job->records);
+        return SVO_OUT_OF_HOST_MEMORY; /* not SVO_OK, as the analyzer sees */
     }
     for (uint32_t half = 0; half < job->half_count; ++half) {
         if (job->index_of[half] != 0) {
@@ -419,7 +421,8 @@ static svo_status count_places(const mirrored_check *job, mirrored_record *recor
     uint32_t rank = 0;
     for (uint32_t octant = 0; levels > 2 && octant < 8; ++octant) {
         if ((inner >> octant & 1) != 0) {
-            before += follow(job, levels, (head >> 8 >> octant & 1) != 0, &at)->places;
+            const mirrored_record *child = follow(job, levels, (head >> 8 >> octant & 1) != 0, &at);
+            before += child != NULL ? child->places : 0;
             ++rank;
             if (rank <= numbers && svo_mirrored_before(job->dag->words, levels, record->at, rank) != before) {
                 return fail_half(job, record->at, "its numbers are not those of its children");
