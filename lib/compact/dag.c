@@ -159,8 +159,11 @@ static svo_status unify_record(encoder *made, level_records *level, const uint32
                                uint32_t *first_word)
 {
     const size_t words = record_words(made, record, levels);
-    if (made->slots == NULL || 2 * (level->record_count + 1) > made->slot_count) {
+    if (2 * (level->record_count + 1) > made->slot_count) {
         SVO_I_TRY(grow_table(made, level, levels));
+    }
+    if (made->slots == NULL) {
+        return SVO_OUT_OF_HOST_MEMORY; /* never: the analyzer does not look into grow_table */
     }
     size_t slot = slot_of(made, record, words);
     for (; made->slots[slot] != 0; slot = next_slot(made, slot)) {
