@@ -29,7 +29,7 @@ list_variants()
                 " -DSVO_COLUMN_LANES -DSVO_ONE_WORKER kernels/$kernel.cl"
             printf '\n'
         done
-        for form in DESCRIPTOR IMPLIED SHARED; do
+        for form in DESCRIPTOR IMPLIED SHARED MIRRORED; do
             for kernel in rays/render rays/trace_voxels rays/view compact/expand; do
                 printf '%s' "-march=$processor -DSVO_COLOR -DSVO_NORMAL -DSVO_READ_$form" \
                     " -DSVO_HAS_BASES kernels/$kernel.cl"

@@ -28,7 +28,7 @@ all_variants()
         find kernels -name '*.cl' -printf "%p\t$names LIGHT_FACES\n"
     done
     # What compact trees are read by.
-    for form in READ_{DESCRIPTOR,IMPLIED,SHARED}{,' HAS_BASES'}; do
+    for form in READ_{DESCRIPTOR,IMPLIED,SHARED,MIRRORED}{,' HAS_BASES'}; do
         printf "%s\tCOLOR NORMAL $form\n" kernels/rays/{render,trace_voxels,view}.cl \
             kernels/scene/{bounds,render,trace}.cl kernels/compact/expand.cl
         printf '%s\t%s RAY_STREAMS\n' kernels/rays/trace_voxels.cl "$form"

@@ -38,6 +38,26 @@
  * earlier children's subtrees: before[r], and 1 for each leaf among them that has payload. Added up along a walk this
  * gives every node its own place, whatever it shares. There are no bases.
  *
+ * SVO_FORM_MIRRORED (after Villanueva, Marton and Gobbetti, "SSVDAGs: Symmetry-aware Sparse Voxel DAGs", 2016). The
+ * same, but nodes of a level share a record if their subtrees are equal up to reflections. A mirror has a bit for each
+ * axis; a node with the mirror m has the child of its record's octant s in its own octant s ^ m, reflected by m as
+ * well, so mirrors add up by ^ on the way down. The root has none. Records are in half words: half word k is bits 16 (k
+ * & 1) and up of nodes[k >> 1], and one may be left over, which is 0. links has the depth, depth - payload_level, and
+ * for L = 2 .. depth, at links[L], the half word at which the records with L levels below begin. In a level those that
+ * more references lead to are first; of as many, those that are referred to first. A record is
+ *
+ *     L = 1  as above; a root has one half word
+ *     L = 2  byte 0 is the valid mask; a byte for each child follows: its valid mask, 0 if it ends here
+ *     L > 2  a half word: bits 0-7 are the inner children, bits 8-15 those of them with a long reference, and the
+ *            children that end here; before[r] for r = 1 .. n; then a reference to each inner child's record
+ *
+ * A reference is a half word: bits 0-12 are the record's place in half words from links[L - 1], bits 13-15 the child's
+ * mirror. A long one has a second half word, 16 further bits of the place, and is used where these are not all 0.
+ * before[r] and n are as above, a half word for L up to 5, else two, the low one first. Ranks, places and the order of
+ * payload are those of the record's octants, not of the node's. The least of a node's eight reflections is its record:
+ * by octant 0, 1, ..., nothing before a leaf before inner children, these by masks (L = 2), or by the first of the
+ * nodes with their record and by mirror. The least mirror counts where several lead to the same subtree.
+ *
  * Payload, as on a built tree, belongs to the nodes from payload_level on. In SVO_FORM_DESCRIPTOR bases[w], beside word
  * w, is the place of the first child's payload in every payload array; the children's payloads lie side by side in
  * ascending octant, groups in the order of their parents' words. Place 0 is the root's if payload_level is 0. bases has
@@ -75,13 +95,14 @@ typedef enum svo_form {
     SVO_FORM_DESCRIPTOR = 0, /**< a word per inner node, in an order of short distances */
     SVO_FORM_IMPLIED = 1, /**< child masks alone, and a directory */
     SVO_FORM_SHARED = 2, /**< equal subtrees are stored once */
+    SVO_FORM_MIRRORED = 3, /**< subtrees that are equal up to reflections are stored once */
     SVO_FORM_COUNT /**< number of forms */
 } svo_form;
 
 /** The arrays of a compact tree. */
 typedef enum svo_compact_buffer {
     SVO_COMPACT_NODES = 0, /**< "nodes": as the form has them */
-    SVO_COMPACT_LINKS, /**< "links": u32; the directory of SVO_FORM_IMPLIED, two numbers of SVO_FORM_SHARED */
+    SVO_COMPACT_LINKS, /**< "links": u32; the directory of SVO_FORM_IMPLIED, numbers of the forms with records */
     SVO_COMPACT_BASES, /**< "bases": u32; places of payload */
     SVO_COMPACT_COLORS, /**< "colors": 4 u8 each */
     SVO_COMPACT_NORMALS, /**< "normals": 3 i16 each */
@@ -136,7 +157,7 @@ typedef struct svo_compact_info {
     uint64_t voxel_count; /**< voxels that these leaves stand for */
     uint64_t stored_count; /**< elements of nodes: words, or masks in SVO_FORM_IMPLIED */
     uint64_t far_count; /**< SVO_FORM_DESCRIPTOR: far words among them; else 0 */
-    uint64_t shared_count; /**< SVO_FORM_SHARED: records in these words; else 0 */
+    uint64_t shared_count; /**< SVO_FORM_SHARED, SVO_FORM_MIRRORED: records in these words; else 0 */
     uint64_t payload_count; /**< elements of each payload array that is not constant */
     uint32_t level_inner[SVO_LEVELS_MAX]; /**< inner nodes on each level */
     uint32_t level_leaf[SVO_LEVELS_MAX]; /**< leaves on each level */
@@ -176,7 +197,7 @@ typedef struct svo_compact_arrays {
 
 /** Says what svo_compact_create would make, before anything is allocated on the device. What follows from the tree's
  *  counts is exact; the rest is an upper bound, which svo_compact_info.bounds marks: the far words of
- *  SVO_FORM_DESCRIPTOR, at most 0.33 % of the words; the records of SVO_FORM_SHARED, as if no two subtrees were equal;
+ *  SVO_FORM_DESCRIPTOR, at most 0.33 % of the words; the records of the other forms, as if no two subtrees were equal;
  *  and with minimize all that is not constant.
  *
  * \param tree complete
@@ -192,8 +213,9 @@ SVO_API svo_status svo_compact_plan(const svo_tree *tree, const svo_compact_opti
  * \param options NULL means all defaults
  * \param queue on the device's context; NULL: the device's own
  * \param out receives the compact tree
- * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (more inner nodes, or 2^32 words of records), SVO_OUT_OF_HOST_MEMORY,
- *          SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR on failure. */
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (more inner nodes, 2^32 words of records, or in SVO_FORM_MIRRORED 2^29
+ *          half words of them), SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR
+ *          on failure. */
 SVO_API svo_status svo_compact_create(svo_device *device, const svo_tree *tree, const svo_compact_options *options,
                                       cl_command_queue queue, svo_compact **out);
 

@@ -90,7 +90,7 @@ static uint32_t find_bounds(const svo_compact_options *options, const svo_compac
         const bool has_nodes = i == SVO_COMPACT_NODES;
         const bool beside_words = i == SVO_COMPACT_BASES && planned->form == SVO_FORM_DESCRIPTOR;
         const bool by_words = (has_nodes || beside_words) && planned->far_count > 0;
-        const bool by_subtrees = has_nodes && planned->form == SVO_FORM_SHARED;
+        const bool by_subtrees = has_nodes && (planned->form == SVO_FORM_SHARED || planned->form == SVO_FORM_MIRRORED);
         const bool by_leaves = options->minimize != 0 && !svo_i_compact_is_constant(planned, (svo_compact_buffer)i);
         bounds |= planned->bytes[i] > 0 && (by_words || by_subtrees || by_leaves) ? 1u << i : 0;
     }
@@ -196,7 +196,7 @@ typedef struct expansion {
 /* Bytes of svo_expanded in kernels/compact/expand.cl. */
 static size_t expanded_bytes(svo_form form)
 {
-    const size_t node_words = form == SVO_FORM_SHARED ? 3 : 1;
+    const size_t node_words = form == SVO_FORM_SHARED || form == SVO_FORM_MIRRORED ? 3 : 1;
     return (node_words + 2) * sizeof(cl_uint);
 }
 

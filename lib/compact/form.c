@@ -14,6 +14,7 @@
 #define PLACES  " -DSVO_HAS_BASES"
 #define WORDS   " -DSVO_READ_DESCRIPTOR"
 #define SHARED  " -DSVO_READ_SHARED"
+#define MIRROR  " -DSVO_READ_MIRRORED"
 
 /* ---- payload: kernels/compact/payload.cl ---- */
 
@@ -327,7 +328,7 @@ static svo_status make_implied(svo_i_device_work *work, const svo_i_compact_sour
     return make_payload(work, source, targets, compact);
 }
 
-/* ---- SVO_FORM_SHARED: nodes with equal subtrees have one record ---- */
+/* ---- SVO_FORM_SHARED, SVO_FORM_MIRRORED: nodes with equal subtrees have one record ---- */
 
 /* The nodes go to the host, become records there (dag.c), and go back; the payload is put in the records' order on the
    device. */
@@ -392,7 +393,8 @@ static svo_status encode(sharing *s)
                                      2 * payload_count * sizeof *s->place_of);
         }
     }
-    SVO_I_TRY(svo_i_dag_encode(s->work->function, &s->nodes, &s->work->device->memory, places, &s->dag, s->place_of,
+    SVO_I_TRY(svo_i_dag_encode(s->work->function, &s->nodes, &s->work->device->memory,
+                               s->source->info.form == SVO_FORM_MIRRORED, &s->dag, s->place_of,
                                svo_i_device_message(s->work->device)));
     for (size_t i = 0; places && i < payload_count; ++i) {
         s->origins[s->place_of[i]] = (uint32_t)i;
@@ -403,14 +405,14 @@ static svo_status encode(sharing *s)
 static svo_status put_records(const sharing *s)
 {
     svo_compact *compact = s->compact;
-    const cl_uint links[2] = {s->dag.depth, s->dag.depth - s->dag.payload_level};
+    const uint64_t links_bytes = s->dag.link_count * sizeof s->dag.links[0];
     compact->info.stored_count = s->dag.word_count;
     compact->info.shared_count = s->dag.record_count;
     svo_i_compact_count(&compact->info);
     SVO_I_TRY(svo_i_work_result(s->work, "nodes", compact->info.bytes[SVO_COMPACT_NODES],
                                 &compact->buffers[SVO_COMPACT_NODES]));
-    SVO_I_TRY(svo_i_work_result(s->work, "links", sizeof links, &compact->buffers[SVO_COMPACT_LINKS]));
-    SVO_I_TRY(svo_i_work_write(s->work, compact->buffers[SVO_COMPACT_LINKS], links, sizeof links));
+    SVO_I_TRY(svo_i_work_result(s->work, "links", links_bytes, &compact->buffers[SVO_COMPACT_LINKS]));
+    SVO_I_TRY(svo_i_work_write(s->work, compact->buffers[SVO_COMPACT_LINKS], s->dag.links, links_bytes));
     return svo_i_work_write(s->work, compact->buffers[SVO_COMPACT_NODES], s->dag.words,
                             compact->info.bytes[SVO_COMPACT_NODES]);
 }
@@ -468,6 +470,21 @@ static void count_shared(svo_compact_info *info)
     }
 }
 
+/* The same in half words, all of whose references are long. */
+static void count_mirrored(svo_compact_info *info)
+{
+    uint64_t halves = 0;
+    const uint32_t per_child = svo_i_compact_has_places(info) ? 4 : 2;
+    count_shared(info);
+    for (uint32_t level = 0; level + 1 < info->depth; ++level) {
+        const uint64_t inner = info->level_inner[level];
+        const uint64_t below = info->level_inner[level + 1];
+        halves +=
+            level + 2 < info->depth ? inner + per_child * below : (2 * inner + below + info->level_leaf[level + 1]) / 2;
+    }
+    info->stored_count = info->depth == 1 ? 1 : (halves + 1) / 2;
+}
+
 /* ---- the table of forms ---- */
 
 const char *svo_i_form_options(const svo_compact_info *info)
@@ -478,6 +495,9 @@ const char *svo_i_form_options(const svo_compact_info *info)
     const bool places = svo_i_compact_has_places(info);
     if (info->form == SVO_FORM_SHARED) {
         return places ? CL12 SHARED PLACES : CL12 SHARED;
+    }
+    if (info->form == SVO_FORM_MIRRORED) {
+        return places ? CL12 MIRROR PLACES : CL12 MIRROR;
     }
     if (info->form == SVO_FORM_IMPLIED) {
         return implied[info->directory_step_log2 - SVO_I_DIRECTORY_LOG2_MIN][places ? 1 : 0];
@@ -499,6 +519,9 @@ void svo_i_form_count(svo_compact_info *info)
     case SVO_FORM_IMPLIED:
         count_implied(info);
         break;
+    case SVO_FORM_MIRRORED:
+        count_mirrored(info);
+        break;
     default:
         count_shared(info);
         break;
@@ -512,6 +535,7 @@ svo_status svo_i_form_make(svo_i_device_work *work, const svo_i_compact_source *
     case SVO_FORM_IMPLIED:
         return make_implied(work, source, compact);
     case SVO_FORM_SHARED:
+    case SVO_FORM_MIRRORED:
         return make_shared(work, source, compact);
     default:
         return make_descriptor(work, source, compact);

@@ -10,6 +10,7 @@
 #include "rays/target.h"
 #include "shared/dag.clh"
 #include "shared/descriptor.h"
+#include "shared/mirrored.clh"
 #include "svocl/plan.h"
 
 /* ---- the target ---- */
@@ -153,10 +154,32 @@ static uint32_t open_record(const void *subject, uint32_t node, uint32_t level, 
     return masks & 0xffu;
 }
 
+static uint32_t open_mirrored(const void *subject, uint32_t node, uint32_t level, uint32_t child[8])
+{
+    const svo_compact *compact = subject;
+    const uint32_t *words = compact->host[SVO_COMPACT_NODES];
+    const uint32_t levels = compact->info.depth - level;
+    const uint32_t places = svo_i_compact_has_places(&compact->info) ? 1 : 0;
+    if (node == SVO_NO_NODE || levels == 0) {
+        return 0;
+    }
+    const svo_shared_node at = level == 0 ? svo_mirrored_root(words, levels) : (svo_shared_node){.record = node};
+    for (uint32_t octant = 0; octant < 8; ++octant) {
+        svo_shared_node found = {.record = 0};
+        const uint32_t kind =
+            svo_mirrored_child(words, compact->host[SVO_COMPACT_LINKS], levels, places, at, octant, &found);
+        child[octant] = kind == SVO_MIRRORED_INNER ? found.record : SVO_NO_NODE;
+    }
+    return svo_mirrored_valid(words, levels, at.record);
+}
+
 static svo_status fit_camera(const void *of, float aspect, svo_camera *camera)
 {
-    static uint32_t (*const opens[SVO_FORM_COUNT])(const void *, uint32_t, uint32_t, uint32_t *) = {
-        [SVO_FORM_DESCRIPTOR] = open_word, [SVO_FORM_IMPLIED] = open_mask, [SVO_FORM_SHARED] = open_record};
+    static uint32_t (*const opens[SVO_FORM_COUNT])(const void *, uint32_t, uint32_t,
+                                                   uint32_t *) = {[SVO_FORM_DESCRIPTOR] = open_word,
+                                                                  [SVO_FORM_IMPLIED] = open_mask,
+                                                                  [SVO_FORM_SHARED] = open_record,
+                                                                  [SVO_FORM_MIRRORED] = open_mirrored};
     const svo_compact *compact = of;
     const svo_compact_info *info = &compact->info;
     const bool is_known = compact->downloaded && info->leaf_count > 0;

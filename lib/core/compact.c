@@ -110,6 +110,7 @@ static uint64_t count_bases(const svo_compact_info *info)
     case SVO_FORM_IMPLIED:
         return 1;
     case SVO_FORM_SHARED:
+    case SVO_FORM_MIRRORED:
         return 0; /* places follow from the records */
     default:
         return info->stored_count;
@@ -123,6 +124,8 @@ static uint64_t count_links(const svo_compact_info *info)
         return ((info->stored_count - 1) >> info->directory_step_log2) + 1;
     case SVO_FORM_SHARED:
         return 2;
+    case SVO_FORM_MIRRORED:
+        return info->depth + 1; /* two numbers, and where levels begin */
     default:
         return 0;
     }

@@ -46,7 +46,7 @@ static const char *const tree_buffers[SVO_TREE_BUILD_STATE + 1] = {
     "child_mask", "first_child", "colors",    "normals",          "list_begin",
     "list",       "vertices",    "indices",   "triangle_ids",     "materials",
     "fills",      "areas",       "positions", "positions_double", [SVO_TREE_BUILD_STATE] = "build_state"};
-static const char *const forms[SVO_FORM_COUNT] = {"descriptor", "implied", "shared"};
+static const char *const forms[SVO_FORM_COUNT] = {"descriptor", "implied", "shared", "mirrored"};
 static const char *const compact_buffers[SVO_COMPACT_BUFFER_COUNT] = {"nodes",   "links",     "bases", "colors",
                                                                       "normals", "materials", "fills"};
 static const char *const solid_rules[] = {[SVO_SOLID_WINDING] = "winding", [SVO_SOLID_PARITY] = "parity"};

@@ -177,7 +177,7 @@ static svo_status check_counts(const svo_i_file_load *state, const file_counts *
         return svo_i_file_damaged(state, "counts: directory_step_log2 %" PRIu32 " does not fit the form", step_log2);
     }
     SVO_I_TRY(check_leaf_counts(state, counts));
-    if (counts->form == SVO_FORM_SHARED) {
+    if (counts->form == SVO_FORM_SHARED || counts->form == SVO_FORM_MIRRORED) {
         return check_shared_counts(state, counts);
     }
     for (uint32_t level = 0; implied && level < state->head.header.depth; ++level) {

@@ -12,7 +12,6 @@
 #include "core/message.h"
 #include "core/tree.h"
 #include "io/file_format.h"
-#include "shared/dag.clh"
 #include "shared/descriptor.h"
 #include "shared/nodes.clh"
 #include "shared/snap.clh"
@@ -168,204 +167,6 @@ svo_status svo_i_file_check_structure(const svo_tree *tree, const char *name, sv
     }
     SVO_I_TRY(check_lists(&job));
     return check_geometry(&job);
-}
-
-/* ---- records of SVO_FORM_SHARED (kernels/shared/dag.clh) ---- */
-
-/* Records as they lie in a file. */
-typedef struct dag_records {
-    const char *name; /* of the file, for messages */
-    const svo_i_memory *memory; /* for what checking needs */
-    const uint32_t *words;
-    size_t word_count;
-    uint32_t depth;
-    uint32_t payload_level;
-    bool places; /* numbers for the places of payload are stored */
-} dag_records;
-
-/* What records unfold to. */
-typedef struct dag_counts {
-    uint64_t inner[SVO_LEVELS_MAX]; /* inner nodes on each level */
-    uint64_t leaf[SVO_LEVELS_MAX]; /* leaves on each level */
-    uint64_t records;
-    uint64_t places; /* 0 without places */
-} dag_counts;
-
-/* Each record is looked at once, whatever the number of its nodes, which are counted along: a small file that would
-   unfold to 2^48 nodes is refused in no time. */
-typedef struct dag_check {
-    const dag_records *dag;
-    svo_message *message;
-    uint64_t *node_counts; /* at a record's first word: how many nodes have it; 0 for words that begin none */
-    uint64_t *place_counts; /* at a record's first word: the places of its subtree */
-    size_t level_words[SVO_LEVELS_MAX]; /* where each level's records begin */
-    dag_counts *counts;
-} dag_check;
-
-/* Whether all bits of a record's words that mean nothing are 0. */
-static bool is_filled_with_zeros(const dag_check *job, size_t at, uint32_t levels, uint32_t words)
-{
-    const uint32_t *record = job->dag->words + at;
-    const uint32_t masks = record[0] & 0xffff;
-    const uint32_t inner = svo_count_bits(masks & 0xff & ~(masks >> 8));
-    if (levels <= 2) {
-        const uint32_t used = (2 + inner) & 3; /* bytes of the last word; 0: all */
-        return used == 0 || record[words - 1] >> 8 * used == 0;
-    }
-    const uint32_t numbers = svo_shared_number_count(masks, job->dag->places);
-    const bool is_odd = (numbers & 1) == 0; /* half words, with that of the masks */
-    return levels > SVO_SHARED_SHORT_LEVELS ? record[0] >> 16 == 0 : !is_odd || record[numbers >> 1] >> 16 == 0;
-}
-
-static svo_status fail_record(const dag_check *job, size_t at, const char *what)
-{
-    return svo_i_fail(job->message, SVO_FILE_DAMAGED, "%s: shared record at word %zu: %s", job->dag->name, at, what);
-}
-
-/* The words of the record at a word, whose masks must be sound. */
-static svo_status measure_record(const dag_check *job, size_t at, uint32_t levels, uint32_t *words)
-{
-    const uint32_t first = job->dag->words[at];
-    const uint32_t masks = first & 0xffff;
-    if ((masks & 0xff) == 0 && at > 0) {
-        return fail_record(job, at, "it has no children");
-    }
-    if ((masks >> 8 & ~masks) != 0 || (levels == 1 && masks >> 8 != (masks & 0xff))) {
-        return fail_record(job, at, "its leaves are not among its children, or miss some");
-    }
-    *words = svo_shared_record_words(masks, levels, job->dag->places);
-    if (at + *words > job->dag->word_count) {
-        return fail_record(job, at, "it ends behind the last word");
-    }
-    return is_filled_with_zeros(job, at, levels, *words) ? SVO_OK : fail_record(job, at, "an unused bit is not 0");
-}
-
-/* Adds nodes to those of a level. */
-static svo_status count_nodes(dag_check *job, size_t at, uint32_t level, uint64_t inner, uint64_t leaves)
-{
-    job->counts->inner[level] += inner;
-    job->counts->leaf[level] += leaves;
-    return job->counts->inner[level] > UINT32_MAX || job->counts->leaf[level] > UINT32_MAX
-               ? fail_record(job, at, "its children's level unfolds to 2^32 nodes or more")
-               : SVO_OK;
-}
-
-/* Counts the children of a record on the level below. next: where that level's next new record must be. */
-static svo_status count_children(dag_check *job, size_t at, uint32_t levels, uint32_t words, size_t *next)
-{
-    const uint32_t masks = job->dag->words[at] & 0xffff;
-    const uint32_t level = job->dag->depth - levels;
-    const uint32_t inner = svo_count_bits(masks & 0xff & ~(masks >> 8));
-    const uint64_t nodes = job->node_counts[at];
-    SVO_I_TRY(count_nodes(job, at, level + 1, nodes * inner, nodes * svo_count_bits(masks >> 8)));
-    for (uint32_t rank = 0; rank < inner && levels == 2; ++rank) {
-        const uint32_t mask = job->dag->words[at + ((rank + 2) >> 2)] >> 8 * ((rank + 2) & 3) & 0xff;
-        if (mask == 0) {
-            return fail_record(job, at, "a child of it has no children");
-        }
-        SVO_I_TRY(count_nodes(job, at, level + 2, 0, nodes * svo_count_bits(mask)));
-    }
-    const uint32_t numbers = svo_shared_number_count(masks, job->dag->places);
-    for (size_t i = at + svo_shared_children_begin(levels, numbers); i < at + words && levels > 2; ++i) {
-        const size_t child = job->dag->words[i];
-        uint32_t child_words = 0;
-        if (child == *next && child < job->dag->word_count) {
-            SVO_I_TRY(measure_record(job, child, levels - 1, &child_words));
-            *next += child_words;
-        } else if (child > *next || child < job->level_words[level + 1] || job->node_counts[child] == 0) {
-            return fail_record(job, at, "a child of it is no record of the next level");
-        }
-        job->node_counts[child] += nodes;
-    }
-    return SVO_OK;
-}
-
-/* Looks at the records of a level, which must be in the order of their first nodes. */
-static svo_status check_level(dag_check *job, uint32_t level)
-{
-    const uint32_t levels = job->dag->depth - level;
-    const size_t end = job->level_words[level + 1];
-    size_t next = end;
-    for (size_t at = job->level_words[level]; at < end;) {
-        uint32_t words = 0;
-        SVO_I_TRY(measure_record(job, at, levels, &words));
-        SVO_I_TRY(count_children(job, at, levels, words, &next));
-        ++job->counts->records;
-        at += words;
-    }
-    job->level_words[level + 2] = next;
-    return SVO_OK;
-}
-
-/* Counts the places of a record's subtree and compares those that it stores. */
-static svo_status check_places(dag_check *job, size_t at, uint32_t levels, uint32_t words)
-{
-    const dag_records *dag = job->dag;
-    const uint32_t payload_levels = dag->depth - dag->payload_level;
-    const uint32_t masks = dag->words[at] & 0xffff;
-    const uint32_t numbers = svo_shared_number_count(masks, dag->places);
-    const uint32_t inner = svo_count_bits(masks & 0xff & ~(masks >> 8));
-    const uint32_t *record = dag->words + at;
-    uint64_t before = levels == 2 ? svo_shared_places_before(record, 2, payload_levels, 0, inner) : 0;
-    for (uint32_t rank = 0; rank < inner && levels > 2; ++rank) {
-        if (rank > 0 && svo_shared_places_before(record, levels, payload_levels, 0, rank) != before) {
-            return fail_record(job, at, "its numbers are not those of its children");
-        }
-        before += job->place_counts[record[words - inner + rank]];
-    }
-    if (levels > 2 && numbers > 0 && numbers == inner &&
-        svo_shared_places_before(record, levels, payload_levels, 0, inner) != before) {
-        return fail_record(job, at, "its last number is not that of its children");
-    }
-    job->place_counts[at] =
-        before + (levels <= payload_levels ? 1 : 0) + (levels <= payload_levels + 1 ? svo_count_bits(masks >> 8) : 0);
-    return SVO_OK;
-}
-
-static svo_status check_records(dag_check *job)
-{
-    const dag_records *dag = job->dag;
-    const uint32_t level_count = dag->depth > 1 ? dag->depth - 1 : 1;
-    uint32_t words = 0;
-    if (dag->word_count == 0) {
-        return fail_record(job, 0, "there is none");
-    }
-    SVO_I_TRY(measure_record(job, 0, dag->depth, &words));
-    job->level_words[1] = words;
-    job->node_counts[0] = 1;
-    job->counts->inner[0] = 1;
-    for (uint32_t level = 0; level < level_count; ++level) {
-        SVO_I_TRY(check_level(job, level));
-    }
-    if (job->level_words[level_count] != dag->word_count) {
-        return fail_record(job, job->level_words[level_count], "it is the child of none");
-    }
-    for (uint32_t level = level_count; level-- > 0 && dag->places;) {
-        for (size_t at = job->level_words[level]; at < job->level_words[level + 1]; at += words) {
-            SVO_I_TRY(measure_record(job, at, dag->depth - level, &words));
-            SVO_I_TRY(check_places(job, at, dag->depth - level, words));
-        }
-    }
-    job->counts->places = job->place_counts[0];
-    return SVO_OK;
-}
-
-/* Checks that each record lies within the words, on the level where its parents look for it, after those of earlier
-   nodes, with the numbers that its subtrees have; and counts. */
-static svo_status check_dag(const dag_records *records, dag_counts *counts, svo_message *message)
-{
-    dag_check job = {.dag = records, .message = message, .counts = counts};
-    *counts = (dag_counts){.records = 0};
-    job.node_counts = svo_i_alloc_zeroed(records->memory, records->word_count + 1, sizeof *job.node_counts);
-    job.place_counts = svo_i_alloc_zeroed(records->memory, records->word_count + 1, sizeof *job.place_counts);
-    const svo_status status =
-        job.node_counts != NULL && job.place_counts != NULL
-            ? check_records(&job)
-            : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: %zu words need %zu bytes to check", records->name,
-                         records->word_count, 2 * records->word_count * sizeof *job.node_counts);
-    svo_i_free(job.node_counts);
-    svo_i_free(job.place_counts);
-    return status;
 }
 
 /* ---- compact trees ---- */
@@ -587,24 +388,12 @@ static svo_status check_implied(compact_check *c, const svo_compact *compact)
     return bases == NULL || bases[0] == begin ? SVO_OK : damaged(c, bases[0], "payload does not begin at this node");
 }
 
-/* ---- compact trees: shared ---- */
+/* ---- compact trees: shared, mirrored ---- */
 
 static svo_status check_shared(compact_check *c, const svo_compact *compact)
 {
-    const uint32_t *links = compact->host[SVO_COMPACT_LINKS];
-    const dag_records records = {.name = c->name,
-                                 .memory = &compact->memory,
-                                 .words = compact->host[SVO_COMPACT_NODES],
-                                 .word_count = (size_t)c->info->stored_count,
-                                 .depth = c->info->depth,
-                                 .payload_level = c->info->payload_level,
-                                 .places = svo_i_compact_has_places(c->info)};
-    dag_counts counts;
-    if (links[0] != records.depth || links[1] != records.depth - records.payload_level) {
-        return svo_i_fail(c->message, SVO_FILE_DAMAGED, "%s: links are %" PRIu32 " and %" PRIu32, c->name, links[0],
-                          links[1]);
-    }
-    SVO_I_TRY(check_dag(&records, &counts, c->message));
+    svo_i_record_counts counts;
+    SVO_I_TRY(svo_i_records_check(compact, c->name, &counts, c->message));
     if (counts.records != c->info->shared_count) {
         return svo_i_fail(c->message, SVO_FILE_DAMAGED, "%s: %" PRIu64 " records, %" PRIu64 " expected", c->name,
                           counts.records, c->info->shared_count);
@@ -621,6 +410,7 @@ svo_status svo_i_compact_check(const svo_compact *compact, const char *name, svo
     case SVO_FORM_IMPLIED:
         return check_implied(&c, compact);
     case SVO_FORM_SHARED:
+    case SVO_FORM_MIRRORED:
         return check_shared(&c, compact);
     default:
         return check_descriptor(&c, compact);

@@ -230,4 +230,18 @@ svo_status svo_i_file_check_structure(const svo_tree *tree, const char *name, sv
    svo_compact_create makes it. name: the file's. Returns SVO_FILE_DAMAGED with what is wrong and where. */
 svo_status svo_i_compact_check(const svo_compact *compact, const char *name, svo_message *message);
 
+/* What records unfold to. */
+typedef struct svo_i_record_counts {
+    uint64_t inner[SVO_LEVELS_MAX]; /* inner nodes on each level */
+    uint64_t leaf[SVO_LEVELS_MAX]; /* leaves on each level */
+    uint64_t records;
+    uint64_t places; /* 0 without places */
+} svo_i_record_counts;
+
+/* The same for nodes and links of SVO_FORM_SHARED and SVO_FORM_MIRRORED alone: that each record lies within the words,
+   on the level where those above look for it, in its order, with the numbers that its subtrees have. counts: receives
+   what they unfold to. */
+svo_status svo_i_records_check(const svo_compact *compact, const char *name, svo_i_record_counts *counts,
+                               svo_message *message);
+
 #endif

@@ -41,13 +41,14 @@ def test_a_form_expands_and_traces_as_its_tree(shaded, rays, form):
 
 
 def test_the_arrays_are_those_of_the_form(shaded):
-    words, masks, shared = (svocl.Compact(shaded, form).arrays for form in FORMS)
+    words, masks, shared, mirrored = (svocl.Compact(shaded, form).arrays for form in FORMS)
     assert words.nodes.dtype == np.uint32 and words.links is None and words.bases.shape == words.nodes.shape
     assert masks.nodes.dtype == np.uint8
     assert np.array_equal(masks.nodes[: shaded.info.inner_count], shaded.arrays.child_mask)
     assert masks.links[0] == 1 and len(masks.bases) == 1
     assert len(shared.links) == 2 and shared.bases is None
-    for arrays in (words, masks, shared):  # they outlive the compact trees
+    assert len(mirrored.links) == shaded.info.depth + 1 and len(mirrored.nodes) < len(shared.nodes)
+    for arrays in (words, masks, shared, mirrored):  # they outlive the compact trees
         assert arrays.normals.shape == (shaded.info.node_count, 3) and arrays.colors is None
         assert not arrays.nodes.flags.writeable
         assert sorted(map(tuple, arrays.normals)) == sorted(map(tuple, shaded.arrays.normals))

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/compact.h"
 #include "core/tree.h"
 #include "support/meshes.h"
 
@@ -267,4 +268,113 @@ void reference_words_free(reference_words *made)
     svo_i_free(made->bases);
     svo_i_free(made->order);
     *made = (reference_words){.words = NULL};
+}
+
+/* ---- half words ---- */
+
+typedef struct half_walk {
+    const svo_tree *tree;
+    const svo_compact *compact;
+    bool has_places;
+    uint32_t next; /* the next place */
+    mirrored_walk *found;
+} half_walk;
+
+static uint32_t half_of(const half_walk *w, uint64_t at)
+{
+    uint16_t half = 0;
+    if (at < 2 * w->compact->info.stored_count) {
+        memcpy(&half, (const uint8_t *)w->compact->host[SVO_COMPACT_NODES] + 2 * at, sizeof half);
+    }
+    return half;
+}
+
+static uint32_t byte_of(const half_walk *w, uint64_t record, uint32_t index)
+{
+    return half_of(w, record + index / 2) >> 8 * (index % 2) & 255;
+}
+
+static uint32_t bits_in(uint32_t mask)
+{
+    uint32_t count = 0;
+    for (; mask != 0; mask &= mask - 1) {
+        ++count;
+    }
+    return count;
+}
+
+static uint32_t turned(uint32_t mask, uint32_t mirror)
+{
+    uint32_t to = 0;
+    for (uint32_t octant = 0; octant < 8; ++octant) {
+        to |= (mask >> octant & 1) << (octant ^ mirror);
+    }
+    return to;
+}
+
+/* A node and what is below it, in the order of its record. record: above the voxels its valid mask, as stored. */
+static void walk_half_words(half_walk *w, uint32_t node, uint32_t level, uint64_t record, uint32_t mirror)
+{
+    const svo_tree_info *info = &w->tree->info;
+    const uint32_t levels = info->depth - level;
+    const uint32_t *links = w->compact->host[SVO_COMPACT_LINKS];
+    w->found->places[node] = w->has_places ? SVO_NO_NODE : 0;
+    if (w->has_places && level >= info->payload_level) {
+        w->found->places[node] = w->next++;
+    }
+    ++w->found->visited;
+    if (levels == 0) {
+        return;
+    }
+    const uint32_t mask = ((const uint8_t *)w->tree->host[SVO_TREE_CHILD_MASK])[node];
+    const uint32_t first = ((const uint32_t *)w->tree->host[SVO_TREE_FIRST_CHILD])[node];
+    const uint32_t stored = levels == 1 ? (uint32_t)record : half_of(w, record) & 255;
+    const uint32_t is_long = half_of(w, record) >> 8;
+    const uint32_t begin = w->next;
+    uint32_t numbers = w->has_places && levels > 2 && mask != 0 ? bits_in(mask) - 1 : 0;
+    uint64_t at = record + 1 + (levels > 5 ? 2 * numbers : numbers);
+    uint32_t rank = 0;
+    if (turned(stored, mirror) != mask) {
+        return;
+    }
+    for (uint32_t octant = 0; octant < 8; ++octant) {
+        const uint32_t own = octant ^ mirror;
+        uint64_t below = 0;
+        uint32_t turn = 0;
+        if ((stored >> octant & 1) == 0) {
+            continue;
+        }
+        if (levels == 2) {
+            below = byte_of(w, record, 1 + rank);
+        } else if (levels > 2) {
+            const uint32_t half = half_of(w, at);
+            below = links[levels - 1] + (half & 0x1fff);
+            turn = half >> 13;
+            below += (is_long >> octant & 1) != 0 ? (uint64_t)half_of(w, at + 1) << 13 : 0;
+            at += 1 + (is_long >> octant & 1);
+            w->found->long_references += is_long >> octant & 1;
+            w->found->reflected += turn != 0;
+        }
+        const uint32_t before = levels > 5 ? half_of(w, record + 2 * rank - 1) | half_of(w, record + 2 * rank) << 16
+                                           : half_of(w, record + rank);
+        if (rank > 0 && rank <= numbers && before != w->next - begin) {
+            return;
+        }
+        walk_half_words(w, first + bits_in(mask & ((1u << own) - 1)), level + 1, below, mirror ^ turn);
+        ++rank;
+    }
+}
+
+void mirrored_walk_make(const svo_compact *compact, const svo_tree *tree, mirrored_walk *out)
+{
+    half_walk w = {
+        .tree = tree, .compact = compact, .has_places = svo_i_compact_has_places(&compact->info), .found = out};
+    *out = (mirrored_walk){.places = allocate(tree->info.node_count, sizeof *out->places)};
+    walk_half_words(&w, 0, 0, tree->info.depth == 1 ? half_of(&w, 0) & 255 : 0, 0);
+}
+
+void mirrored_walk_free(mirrored_walk *made)
+{
+    svo_i_free(made->places);
+    *made = (mirrored_walk){.places = NULL};
 }

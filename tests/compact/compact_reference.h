@@ -26,4 +26,16 @@ typedef struct reference_words {
 void reference_words_make(const svo_tree *tree, reference_words *out);
 void reference_words_free(reference_words *made);
 
+/* What a walk over the half words of SVO_FORM_MIRRORED finds, after the text of svocl/compact.h. */
+typedef struct mirrored_walk {
+    uint64_t visited; /* nodes that are as the tree has them */
+    uint64_t long_references, reflected; /* references of two half words; with a mirror */
+    uint32_t *places; /* of each node of the tree; SVO_NO_NODE where it has no payload */
+} mirrored_walk;
+
+/* Walks down a compact tree and the tree that it was made from, without merging, until they differ: visited is then
+   below the tree's node_count. Released by mirrored_walk_free. Both have host arrays. */
+void mirrored_walk_make(const svo_compact *compact, const svo_tree *tree, mirrored_walk *out);
+void mirrored_walk_free(mirrored_walk *made);
+
 #endif

@@ -431,8 +431,8 @@ static void wrong_options_are_refused(void **state)
     static const struct {
         svo_compact_options options;
         const char *words;
-    } wrong[] = {{{.form = SVO_FORM_COUNT}, "options.form 3 is not in 0 .. 2"},
-                 {{.form = (svo_form)-1}, "options.form -1 is not in 0 .. 2"},
+    } wrong[] = {{{.form = SVO_FORM_COUNT}, "options.form 4 is not in 0 .. 3"},
+                 {{.form = (svo_form)-1}, "options.form -1 is not in 0 .. 3"},
                  {{.directory_step_log2 = 3}, "options.directory_step_log2 3 is not 0 and not in 4 .. 6"},
                  {{.directory_step_log2 = 7}, "options.directory_step_log2 7 is not 0 and not in 4 .. 6"},
                  {{.leave_out = 0x40}, "options.leave_out 0x40 has bits outside 0x3f"}};

@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "compact_reference.h"
 #include "core/compact.h"
 #include "core/tree.h"
 #include "scenes.h"
@@ -121,12 +122,20 @@ static void number_depth_first(const svo_tree *tree, uint32_t node, uint32_t lev
     }
 }
 
-/* The places of all nodes in SVO_FORM_SHARED. */
+/* The places of all nodes in SVO_FORM_SHARED and SVO_FORM_MIRRORED. */
 static uint32_t *shared_places(const svo_compact *compact, const svo_tree *tree)
 {
     uint32_t next = 0;
     uint32_t *places = calloc(tree->info.node_count, sizeof *places);
     assert_non_null(places);
+    if (compact->info.form == SVO_FORM_MIRRORED && compact->info.minimized == 0) {
+        mirrored_walk walk;
+        mirrored_walk_make(compact, tree, &walk);
+        assert_int_equal(walk.visited, tree->info.node_count);
+        memcpy(places, walk.places, tree->info.node_count * sizeof *places);
+        mirrored_walk_free(&walk);
+        return places;
+    }
     if (svo_i_compact_has_places(&compact->info)) {
         number_depth_first(tree, 0, 0, &next, places);
     }
@@ -143,7 +152,7 @@ static uint32_t place_of(const svo_compact *compact, const svo_tree *tree, const
             svo_i_compact_has_places(&compact->info) ? tree->info.level_begin[tree->info.payload_level] : 0;
         return node.index < begin ? SVO_NO_NODE : node.index - begin;
     }
-    if (compact->info.form == SVO_FORM_SHARED) {
+    if (compact->info.form == SVO_FORM_SHARED || compact->info.form == SVO_FORM_MIRRORED) {
         assert_int_equal(svo_tree_find_cell(tree, f->hit.level, f->cell, &node), SVO_OK);
         return shared[node.index];
     }
@@ -267,8 +276,8 @@ static void check_scene(const fixture *opened, const char *spec, uint32_t depth,
     assert_in_range(hit_count, RAY_COUNT / 20, RAY_COUNT);
     svo_compact *forms[] = {
         compact_of(opened, tree.tree, SVO_FORM_DESCRIPTOR, 0), compact_of(opened, tree.tree, SVO_FORM_IMPLIED, 4),
-        compact_of(opened, tree.tree, SVO_FORM_IMPLIED, 5), compact_of(opened, tree.tree, SVO_FORM_IMPLIED, 6),
-        compact_of(opened, tree.tree, SVO_FORM_SHARED, 0)};
+        compact_of(opened, tree.tree, SVO_FORM_IMPLIED, 5),    compact_of(opened, tree.tree, SVO_FORM_IMPLIED, 6),
+        compact_of(opened, tree.tree, SVO_FORM_SHARED, 0),     compact_of(opened, tree.tree, SVO_FORM_MIRRORED, 0)};
     for (size_t i = 0; i < sizeof forms / sizeof forms[0]; ++i) {
         check_form(opened, tree.tree, forms[i], buffer, rays, footprint, expected);
         svo_compact_destroy(&forms[i]);

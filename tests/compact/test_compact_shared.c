@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * SVO_FORM_SHARED (svocl/compact.h): the records of trees of all kinds against a reader that is written after the text
- * of the header alone, the number of records against a map of subtrees as strings, places against a depth-first walk,
- * sizes against closed forms, and what expanding gives back.
+ * SVO_FORM_SHARED and SVO_FORM_MIRRORED (svocl/compact.h): the records of trees of all kinds against readers that are
+ * written after the text of the header alone, the number of records against a map of subtrees as strings, places
+ * against a depth-first walk, sizes against closed forms, and what expanding gives back.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "compact_reference.h"
 #include "scenes.h"
 #include "support/fixture.h"
 #include "support/meshes.h"
@@ -34,16 +35,21 @@ typedef struct shared_tree {
     svo_compact_arrays arrays;
 } shared_tree;
 
-static void make_shared(const fixture *opened, const svo_tree *tree, uint32_t leave_out, shared_tree *out)
+static void make_form(const fixture *opened, const svo_tree *tree, svo_form form, uint32_t leave_out, shared_tree *out)
 {
     svo_compact_options options = SVO_COMPACT_OPTIONS_INIT;
-    options.form = SVO_FORM_SHARED;
+    options.form = form;
     options.leave_out = leave_out;
     *out = (shared_tree){.info = SVO_COMPACT_INFO_INIT, .arrays = SVO_COMPACT_ARRAYS_INIT};
     succeed(opened, svo_compact_create(opened->device, tree, &options, opened->queue, &out->compact));
     succeed(opened, svo_compact_download(out->compact, opened->queue));
     succeed(opened, svo_compact_get_info(out->compact, &out->info));
     succeed(opened, svo_compact_get_arrays(out->compact, &out->arrays));
+}
+
+static void make_shared(const fixture *opened, const svo_tree *tree, uint32_t leave_out, shared_tree *out)
+{
+    make_form(opened, tree, SVO_FORM_SHARED, leave_out, out);
 }
 
 /* ---- voxels ---- */
@@ -213,6 +219,27 @@ static void compare_subtree(reader *job, uint32_t node, uint32_t level, uint32_t
     }
 }
 
+/* The same for the form "mirrored": the walk of compact_reference.h meets every node, each place once, and there the
+   payload of its node. */
+static void compare_half_words(const built *tree, const shared_tree *mirrored, mirrored_walk *walk)
+{
+    const reader job = {.tree = tree, .shared = mirrored};
+    const int places = (mirrored->info.need & ~mirrored->info.constant) != 0;
+    uint64_t placed = 0;
+    uint64_t sum = 0;
+    mirrored_walk_make(mirrored->compact, tree->tree, walk);
+    assert_int_equal(walk->visited, tree->info.node_count);
+    for (uint32_t node = 0; places && node < tree->info.node_count; ++node) {
+        if (walk->places[node] != SVO_NO_NODE) {
+            compare_payload(&job, node, walk->places[node]);
+            sum += walk->places[node];
+            ++placed;
+        }
+    }
+    assert_int_equal(placed, mirrored->info.payload_count * (places ? 1 : 0));
+    assert_int_equal(sum, placed > 0 ? placed * (placed - 1) / 2 : 0);
+}
+
 static void compare_records(const built *tree, const shared_tree *shared)
 {
     reader job = {.tree = tree, .shared = shared};
@@ -226,19 +253,27 @@ static void compare_records(const built *tree, const shared_tree *shared)
 
 /* ---- a map of subtrees ---- */
 
-/* A subtree as its child masks in depth-first order. */
+/* A subtree as its child masks in depth-first order, reflected or not. */
 typedef struct subtree_text {
     uint8_t *masks;
     size_t length;
 } subtree_text;
 
-static void append_subtree(const built *tree, uint32_t node, uint32_t levels, subtree_text *text)
+static void append_subtree(const built *tree, uint32_t node, uint32_t levels, uint32_t mirror, subtree_text *text)
 {
     const uint32_t mask = tree->arrays.child_mask[node];
-    text->masks[text->length] = (uint8_t)mask;
+    uint8_t *own = &text->masks[text->length];
+    *own = 0;
     ++text->length;
-    for (uint32_t r = 0; r < bits_of(mask) && levels > 1; ++r) {
-        append_subtree(tree, tree->arrays.first_child[node] + r, levels - 1, text);
+    for (uint32_t octant = 0; octant < 8; ++octant) {
+        const uint32_t from = octant ^ mirror;
+        if ((mask >> from & 1) != 0) {
+            *own |= (uint8_t)(1u << octant);
+            if (levels > 1) {
+                const uint32_t child = tree->arrays.first_child[node] + bits_of(mask & ((1u << from) - 1));
+                append_subtree(tree, child, levels - 1, mirror, text);
+            }
+        }
     }
 }
 
@@ -250,8 +285,25 @@ static int compare_texts(const void *a, const void *b)
     return order != 0 ? order : x->length < y->length ? -1 : x->length > y->length ? 1 : 0;
 }
 
-/* The different subtrees of the nodes with two and more levels below them, and the root. */
-static uint64_t count_subtrees(const built *tree)
+/* Appends the least of a node's reflections; of none but itself without mirrors. */
+static void append_least(const built *tree, uint32_t node, uint32_t levels, int mirrors, subtree_text *text)
+{
+    append_subtree(tree, node, levels, 0, text);
+    for (uint32_t mirror = 1; mirror < 8 && mirrors; ++mirror) {
+        subtree_text other = {malloc(text->length), 0};
+        assert_non_null(other.masks);
+        append_subtree(tree, node, levels, mirror, &other);
+        assert_int_equal(other.length, text->length);
+        if (memcmp(other.masks, text->masks, text->length) < 0) {
+            memcpy(text->masks, other.masks, text->length);
+        }
+        free(other.masks);
+    }
+}
+
+/* The different subtrees of the nodes with two and more levels below them, and the root. mirrors: reflections are the
+   same. */
+static uint64_t count_subtrees(const built *tree, int mirrors)
 {
     const svo_tree_info *info = &tree->info;
     uint64_t different = 0;
@@ -264,7 +316,7 @@ static uint64_t count_subtrees(const built *tree)
         assert_non_null(all);
         for (uint32_t i = 0; i < count; ++i) {
             texts[i].masks = all + used;
-            append_subtree(tree, info->level_begin[level] + i, info->depth - level, &texts[i]);
+            append_least(tree, info->level_begin[level] + i, info->depth - level, mirrors, &texts[i]);
             used += texts[i].length;
         }
         assert_in_range(used, 0, info->inner_count);
@@ -295,11 +347,18 @@ static void compare_expanded(const fixture *opened, const built *tree, shared_tr
 static void check_tree(const fixture *opened, const built *tree, svo_hash_scope scope)
 {
     shared_tree shared;
+    mirrored_walk walk;
     make_shared(opened, tree->tree, 0, &shared);
-    assert_int_equal(shared.info.shared_count, count_subtrees(tree));
+    assert_int_equal(shared.info.shared_count, count_subtrees(tree, 0));
     compare_records(tree, &shared);
     compare_expanded(opened, tree, &shared, scope);
     svo_compact_destroy(&shared.compact);
+    make_form(opened, tree->tree, SVO_FORM_MIRRORED, 0, &shared);
+    assert_int_equal(shared.info.shared_count, count_subtrees(tree, 1));
+    compare_half_words(tree, &shared, &walk);
+    compare_expanded(opened, tree, &shared, scope);
+    svo_compact_destroy(&shared.compact);
+    mirrored_walk_free(&walk);
 }
 
 static void random_trees_are_shared_and_expanded(void **state)
@@ -332,6 +391,32 @@ static void long_numbers_are_used_where_needed(void **state)
     scene_destroy(&made);
 }
 
+/* Records beyond the reach of a half word are used less often than those within it. */
+static void long_references_are_rare(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    scene *made = fixture_scene("statue:3000");
+    const svo_plan_options options = {.need = SVO_NEED_NONE};
+    built tree;
+    shared_tree shared;
+    shared_tree mirrored;
+    mirrored_walk walk;
+    fixture_build(&opened, scene_mesh(made), 8, &options, &tree);
+    make_shared(&opened, tree.tree, 0, &shared);
+    make_form(&opened, tree.tree, SVO_FORM_MIRRORED, 0, &mirrored);
+    compare_half_words(&tree, &mirrored, &walk);
+    assert_in_range(walk.long_references, 1, tree.info.inner_count / 4);
+    assert_in_range(walk.reflected, tree.info.inner_count / 16, tree.info.inner_count);
+    assert_in_range(mirrored.info.total_bytes, 1, shared.info.total_bytes * 4 / 5);
+    assert_true(mirrored.info.shared_count < shared.info.shared_count);
+    compare_expanded(&opened, &tree, &mirrored, SVO_HASH_ALL);
+    mirrored_walk_free(&walk);
+    svo_compact_destroy(&shared.compact);
+    svo_compact_destroy(&mirrored.compact);
+    built_destroy(&tree);
+    scene_destroy(&made);
+}
+
 /* Every node of a level is equal: a record per level, of 3 words above voxels, and of 1 + m words elsewhere. */
 static void self_similar_trees_have_a_record_per_level(void **state)
 {
@@ -345,16 +430,23 @@ static void self_similar_trees_have_a_record_per_level(void **state)
             built tree;
             shared_tree shared;
             uint64_t words = 0;
+            uint64_t halves = 0;
             build_pattern(&opened, patterns[i].table, patterns[i].table_count, depth, &tree);
             make_shared(&opened, tree.tree, 0, &shared);
             for (unsigned level = 0; level + 1 < depth; ++level) {
                 const unsigned children = bits_of(patterns[i].table[level % patterns[i].table_count]);
                 words += level + 2 == depth ? (2 + children + 3) / 4 : 1 + children;
+                halves += level + 2 == depth ? (2 + children) / 2 : 1 + children;
             }
             assert_int_equal(shared.info.shared_count, depth > 1 ? depth - 1 : 1);
             assert_int_equal(shared.info.stored_count, depth > 1 ? words : 1);
             assert_int_equal(shared.info.bytes[SVO_COMPACT_NODES], 4 * shared.info.stored_count);
             compare_records(&tree, &shared);
+            compare_expanded(&opened, &tree, &shared, SVO_HASH_ALL);
+            svo_compact_destroy(&shared.compact);
+            make_form(&opened, tree.tree, SVO_FORM_MIRRORED, 0, &shared);
+            assert_int_equal(shared.info.shared_count, depth > 1 ? depth - 1 : 1);
+            assert_int_equal(shared.info.stored_count, depth > 1 ? (halves + 1) / 2 : 1);
             compare_expanded(&opened, &tree, &shared, SVO_HASH_ALL);
             svo_compact_destroy(&shared.compact);
             built_destroy(&tree);
@@ -363,7 +455,7 @@ static void self_similar_trees_have_a_record_per_level(void **state)
 }
 
 /* The surface of a cube that fills the grid: below the root a node is one of eight corners, twelve edges, six faces, as
-   far as the level has them. */
+   far as the level has them; up to reflections a corner, three edges, three faces. */
 static void a_cube_surface_has_26_records_per_level(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -393,7 +485,11 @@ static void a_cube_surface_has_26_records_per_level(void **state)
         make_shared(&opened, tree.tree, 0, &shared);
         /* The root; on level 1 corners alone; from level 2 on all 26 kinds. */
         assert_int_equal(shared.info.shared_count, 1u + (depth > 2 ? 8u : 0u) + (depth > 3 ? 26 * (depth - 3) : 0u));
-        assert_int_equal(shared.info.shared_count, count_subtrees(&tree));
+        assert_int_equal(shared.info.shared_count, count_subtrees(&tree, 0));
+        compare_expanded(&opened, &tree, &shared, SVO_HASH_ALL);
+        svo_compact_destroy(&shared.compact);
+        make_form(&opened, tree.tree, SVO_FORM_MIRRORED, 0, &shared);
+        assert_int_equal(shared.info.shared_count, 1u + (depth > 2 ? 1u : 0u) + (depth > 3 ? 7 * (depth - 3) : 0u));
         compare_expanded(&opened, &tree, &shared, SVO_HASH_ALL);
         svo_compact_destroy(&shared.compact);
         built_destroy(&tree);
@@ -411,11 +507,13 @@ static void a_tree_without_leaves_is_one_record(void **state)
         built tree;
         shared_tree shared;
         fixture_build(&opened, &nothing, depth, &options, &tree);
-        make_shared(&opened, tree.tree, 0, &shared);
-        assert_int_equal(shared.info.stored_count, 1);
-        assert_int_equal(*(const uint32_t *)shared.arrays.nodes, 0);
-        compare_expanded(&opened, &tree, &shared, SVO_HASH_ALL);
-        svo_compact_destroy(&shared.compact);
+        for (svo_form form = SVO_FORM_SHARED; form <= SVO_FORM_MIRRORED; ++form) {
+            make_form(&opened, tree.tree, form, 0, &shared);
+            assert_int_equal(shared.info.stored_count, 1);
+            assert_int_equal(*(const uint32_t *)shared.arrays.nodes, 0);
+            compare_expanded(&opened, &tree, &shared, SVO_HASH_ALL);
+            svo_compact_destroy(&shared.compact);
+        }
         built_destroy(&tree);
     }
 }
@@ -444,14 +542,15 @@ static void payload_does_not_split_records(void **state)
 static void a_plan_bounds_what_is_made(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
-    for (unsigned depth = 1; depth <= 7; ++depth) {
+    for (unsigned turn = 2; turn < 16; ++turn) {
+        const unsigned depth = turn / 2;
         built tree;
         shared_tree shared;
         svo_compact_options options = SVO_COMPACT_OPTIONS_INIT;
         svo_compact_info planned = SVO_COMPACT_INFO_INIT;
         build_random(&opened, depth, depth, SVO_NEED_COLOR, 0, &tree);
-        make_shared(&opened, tree.tree, 0, &shared);
-        options.form = SVO_FORM_SHARED;
+        options.form = turn % 2 == 0 ? SVO_FORM_SHARED : SVO_FORM_MIRRORED;
+        make_form(&opened, tree.tree, options.form, 0, &shared);
         succeed(&opened, svo_compact_plan(tree.tree, &options, &planned));
         assert_int_equal(planned.bounds, 1u << SVO_COMPACT_NODES);
         for (int i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
@@ -471,6 +570,7 @@ TEST_GROUP(compact_shared)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_trees_are_shared_and_expanded),
         cmocka_unit_test(long_numbers_are_used_where_needed),
+        cmocka_unit_test(long_references_are_rare),
         cmocka_unit_test(self_similar_trees_have_a_record_per_level),
         cmocka_unit_test(a_cube_surface_has_26_records_per_level),
         cmocka_unit_test(a_tree_without_leaves_is_one_record),

@@ -131,17 +131,86 @@ static subtree walk_record(const walk *w, uint64_t at, uint32_t levels, subtree 
     return found;
 }
 
+static uint32_t half_of(const walk *w, uint64_t at)
+{
+    REQUIRE(at / 2 < w->info.stored_count);
+    return ((const uint32_t *)w->arrays.nodes)[at / 2] >> 16 * (at % 2) & 65535;
+}
+
+static uint32_t byte_of(const walk *w, uint64_t at, uint32_t index)
+{
+    return half_of(w, at + index / 2) >> 8 * (index % 2) & 255;
+}
+
+/* The same for half words with two levels below. */
+static subtree walk_bytes(const walk *w, uint64_t at)
+{
+    const uint32_t children = count_bits(byte_of(w, at, 0));
+    subtree found = {1, 0, count_places(w, 2), 1};
+    for (uint32_t index = 1; index <= children; ++index) {
+        const uint32_t mask = byte_of(w, at, index);
+        const subtree child = mask != 0 ? count_mask(w, mask) : (subtree){0, 1, count_places(w, 1), 1};
+        found.inner += child.inner;
+        found.leaf += child.leaf;
+        found.places += child.places;
+    }
+    return found;
+}
+
+/* A record in half words and all below it, each once. levels: above 1. known: by first half word. */
+static subtree walk_halves(const walk *w, uint64_t at, uint32_t levels, subtree *known)
+{
+    REQUIRE(at / 2 < w->info.stored_count);
+    if (known[at].known == 0 && levels == 2) {
+        known[at] = walk_bytes(w, at);
+    }
+    if (known[at].known != 0) {
+        return known[at];
+    }
+    const uint32_t inner = half_of(w, at) & 255;
+    const uint32_t wide = half_of(w, at) >> 8;
+    const uint32_t leaf = wide & ~inner;
+    const int has_places = (w->info.need & ~w->info.constant) != 0;
+    const uint32_t numbers = has_places ? count_bits(inner) - (inner > leaf ? 1 : 0) : 0;
+    uint64_t reference = at + 1 + (levels > 5 ? 2 * numbers : numbers);
+    subtree found = {1, count_bits(leaf), 0, 1};
+    uint64_t before = 0;
+    uint32_t rank = 0;
+    for (uint32_t octant = 0; octant < 8; ++octant) {
+        if ((inner >> octant & 1) == 0) {
+            continue;
+        }
+        const uint32_t is_long = wide >> octant & 1;
+        uint64_t place = w->arrays.links[levels - 1] + (half_of(w, reference) & 8191);
+        place += is_long != 0 ? (uint64_t)half_of(w, reference + 1) << 13 : 0;
+        reference += 1 + is_long;
+        const subtree child = walk_halves(w, place, levels - 1, known);
+        found.inner += child.inner;
+        found.leaf += child.leaf;
+        before += child.places;
+        ++rank;
+        REQUIRE(rank > numbers ||
+                before == (levels > 5 ? half_of(w, at + 2 * rank - 1) | half_of(w, at + 2 * rank) << 16
+                                      : half_of(w, at + rank)));
+    }
+    found.places = before + count_places(w, levels) + count_bits(leaf) * count_places(w, levels - 1);
+    known[at] = found;
+    return found;
+}
+
 static void walk_records(walk *w)
 {
+    const int mirrored = w->info.form == SVO_FORM_MIRRORED;
     const uint32_t *words = w->arrays.nodes;
-    subtree *known = calloc(w->info.stored_count, sizeof *known);
+    subtree *known = calloc(2 * w->info.stored_count, sizeof *known);
     if (known == NULL) {
         abort();
     }
     REQUIRE(w->arrays.links[0] == w->info.depth && w->arrays.links[1] == w->info.depth - w->info.payload_level);
-    const uint32_t mask = words[0] & 255;
+    const uint32_t mask = (mirrored && w->info.depth > 2 ? words[0] | words[0] >> 8 : words[0]) & 255;
     const subtree all = mask == 0            ? (subtree){1, 0, count_places(w, w->info.depth), 1}
                         : w->info.depth == 1 ? count_mask(w, mask)
+                        : mirrored           ? walk_halves(w, 0, w->info.depth, known)
                                              : walk_record(w, 0, w->info.depth, known);
     w->inner_count = all.inner;
     w->leaf_count = all.leaf;
@@ -188,7 +257,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t byte_count)
     REQUIRE(w.info.depth >= SVO_DEPTH_MIN && w.info.depth <= SVO_DEPTH_MAX);
     if (w.info.form == SVO_FORM_IMPLIED) {
         walk_masks(&w, 0, 0);
-    } else if (w.info.form == SVO_FORM_SHARED) {
+    } else if (w.info.form == SVO_FORM_SHARED || w.info.form == SVO_FORM_MIRRORED) {
         walk_records(&w);
     } else {
         walk_words(&w, 0, 0);

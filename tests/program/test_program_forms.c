@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char *const forms[] = {"descriptor", "implied", "shared"};
+static const char *const forms[] = {"descriptor", "implied", "shared", "mirrored"};
 #define FORMS (sizeof forms / sizeof forms[0])
 
 /* Runs a line with the form in $F. */
@@ -221,7 +221,8 @@ static void scenes_take_voxels_and_forms(void **state)
     assert_string_equal(text_of(document, "form"), "descriptor");
     cJSON_Delete(document);
     write_text("f.json", "{\"trees\": {\"a\": {\"path\": \"a.vox\",\n\"form\": \"share\"}}, " PLACED "}");
-    run_badly("$SVOCL render f.json -o v.png", 1, "f.json:2: 'form' is none of built, descriptor, implied, shared");
+    run_badly("$SVOCL render f.json -o v.png", 1,
+              "f.json:2: 'form' is none of built, descriptor, implied, shared, mirrored");
     run_well("rm a.vox b.svx a.svo b.svo b.svc t.json v.json f.json t.png o.png v.png");
 }
 

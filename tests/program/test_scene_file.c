@@ -69,14 +69,14 @@ static double render_form(const char *form)
 static void trees_are_held_in_the_form_that_is_asked_for(void **state)
 {
     (void)state;
-    static const char *const forms[] = {"descriptor", "implied", "shared"};
+    static const char *const forms[] = {"descriptor", "implied", "shared", "mirrored"};
     need_builds();
     run_well("$SVOCL build scene:knot:500 -d 4 -o knot.svo");
     write_forms("built", "scene:statue:500");
     run_well("$SVOCL render scene.json -o a.png --size 32x24");
     write_forms(NULL, "scene:statue:500");
-    double bytes[4] = {render_form("built")};
-    for (size_t i = 1; i < 4; ++i) {
+    double bytes[5] = {render_form("built")};
+    for (size_t i = 1; i < 5; ++i) {
         write_forms(forms[i - 1], "scene:statue:500");
         bytes[i] = render_form(forms[i - 1]);
         for (size_t k = 0; k < i; ++k) {
@@ -178,7 +178,7 @@ static void a_wrong_file_is_one_line_with_its_place(void **state)
         {"{" TREES "," INSTANCES ",\"lights\": [\n{\"direction\": [0, 1, 0],\n\"colour\": [1, 1, 1]}]}",
          "scene.json:3: key 'colour' of a light is none of"},
         {"{" TREES "," INSTANCES ",\n\"form\": \"implid\"}",
-         "scene.json:2: 'form' is none of built, descriptor, implied, shared, did you mean 'implied'?"},
+         "scene.json:2: 'form' is none of built, descriptor, implied, shared, mirrored, did you mean 'implied'?"},
         {"{" TREES "," INSTANCES ",\n\"form\": 7}", "scene.json:2: 'form' is none of built"},
         {"{" TREES ",\"instances\": [\n{\"tree\": \"cube\",\n\"scale\": [1, 0, 1]}]}",
          "scene.json:3: 'scale' is 0 along an axis"},

@@ -79,12 +79,11 @@ static const choice signs[] = {
 static const choice forms[] = {{"descriptor", 1 + SVO_FORM_DESCRIPTOR},
                                {"implied", 1 + SVO_FORM_IMPLIED},
                                {"shared", 1 + SVO_FORM_SHARED},
+                               {"mirrored", 1 + SVO_FORM_MIRRORED},
                                {NULL, 0}};
-static const choice checked_forms[] = {{"descriptor", 1 + SVO_FORM_DESCRIPTOR},
-                                       {"implied", 1 + SVO_FORM_IMPLIED},
-                                       {"shared", 1 + SVO_FORM_SHARED},
-                                       {"all", OPTION_FORM_ALL},
-                                       {NULL, 0}};
+static const choice checked_forms[] = {
+    {"descriptor", 1 + SVO_FORM_DESCRIPTOR}, {"implied", 1 + SVO_FORM_IMPLIED}, {"shared", 1 + SVO_FORM_SHARED},
+    {"mirrored", 1 + SVO_FORM_MIRRORED},     {"all", OPTION_FORM_ALL},          {NULL, 0}};
 static const choice normal_bits[] = {{"4", 4}, {"5", 5}, {"6", 6}, {"7", 7}, {"8", 8}, {NULL, 0}};
 static const choice directory_steps[] = {{"16", 4}, {"32", 5}, {"64", 6}, {NULL, 0}};
 static const choice axes_of_files[] = {
@@ -687,9 +686,10 @@ static const rule rules[] = {
     {"compress", '\0', OPTION_BUILD_COMMAND | OPTION_CONVERT_COMMAND, NULL, read_flag, FIELD(compress), 0, 0, NULL,
      "compress the .svo file with zstd"},
     {"tree-form", '\0', OPTION_FORM, "NAME", read_choice, FIELD(tree_form), 0, 0, checked_forms,
-     "also expand a compact form: descriptor, implied, shared, or all of them (none)"},
+     "also expand a compact form: descriptor, implied, shared, mirrored, or all of them (none)"},
     {"tree-form", '\0', OPTION_TREE_FORM, "NAME", read_choice, FIELD(tree_form), 0, 0, forms,
-     "the compact form that the tree has here and in .svc files: descriptor, implied, shared (that of INPUT)"},
+     "the compact form that the tree has here and in .svc files: descriptor, implied, shared, mirrored (that of "
+     "INPUT)"},
     {"minimize", '\0', OPTION_TREE_FORM, NULL, read_flag, FIELD(minimize), 0, 0, NULL,
      "with --tree-form: eight leaves of one payload become a leaf"},
     {"directory-step", '\0', OPTION_TREE_FORM, "N", read_choice, FIELD(directory_step_log2), 0, 0, directory_steps,

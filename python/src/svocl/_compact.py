@@ -38,7 +38,7 @@ class CompactArrays(NamedTuple):
     nodes: Union[npt.NDArray[np.uint32], npt.NDArray[np.uint8]]
     """(stored_count,): words; child masks in Form.IMPLIED."""
     links: Optional[npt.NDArray[np.uint32]]
-    """The directory of Form.IMPLIED; two numbers of Form.SHARED."""
+    """The directory of Form.IMPLIED; two numbers of Form.SHARED, and the begins of levels of Form.MIRRORED."""
     bases: Optional[npt.NDArray[np.uint32]]
     """Places of payload."""
     colors: Optional[npt.NDArray[np.uint8]]

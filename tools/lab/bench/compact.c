@@ -103,6 +103,7 @@ static const struct {
 } forms[] = {
     {"built", SVO_FORM_COUNT, 0},         {"descriptor", SVO_FORM_DESCRIPTOR, 0}, {"implied, 16", SVO_FORM_IMPLIED, 4},
     {"implied, 32", SVO_FORM_IMPLIED, 5}, {"implied, 64", SVO_FORM_IMPLIED, 6},   {"shared", SVO_FORM_SHARED, 0},
+    {"mirrored", SVO_FORM_MIRRORED, 0},
 };
 #define FORM_COUNT (sizeof forms / sizeof forms[0])
 #define SET_COUNT  2

@@ -25,6 +25,7 @@ static const choice forms[] = {{"tree", 0},
                                {"descriptor", 1 + SVO_FORM_DESCRIPTOR},
                                {"implied", 1 + SVO_FORM_IMPLIED},
                                {"shared", 1 + SVO_FORM_SHARED},
+                               {"mirrored", 1 + SVO_FORM_MIRRORED},
                                {NULL, 0}};
 static const choice ray_sets[] = {{"16", 16},   {"32", 32},   {"64", 64},     {"128", 128},
                                   {"256", 256}, {"512", 512}, {"1024", 1024}, {NULL, 0}};
