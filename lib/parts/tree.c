@@ -299,7 +299,7 @@ static svo_status read_nodes(svo_parts_tree *tree, svo_tree_buffer array, uint32
 /* Where lists begin: a part has numbers of its own. */
 static svo_status read_list_begins(svo_parts_tree *tree, uint64_t first, uint64_t count, uint64_t *out)
 {
-    uint32_t narrow[1024];
+    uint32_t narrow[1024] = {0};
     const uint32_t depth = tree->all.header.depth;
     const uint64_t leaves = svo_i_parts_tree_nodes(tree, depth);
     const uint64_t *before = row(tree, depth);
@@ -354,7 +354,7 @@ cleanup:
 /* The children of the first count nodes of a part's level. */
 static svo_status count_children(svo_parts_tree *tree, size_t i, uint32_t own_level, uint64_t count, uint64_t *children)
 {
-    uint8_t masks[4096];
+    uint8_t masks[4096] = {0};
     for (uint64_t at = 0; at < count; at += sizeof masks) {
         const size_t taken = count - at < sizeof masks ? (size_t)(count - at) : sizeof masks;
         SVO_I_TRY(read_piece(tree, i, SVO_TREE_CHILD_MASK, own_level, at, taken, masks));

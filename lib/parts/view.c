@@ -299,48 +299,43 @@ cleanup:
     return status;
 }
 
-svo_status svo_i_parts_view_open(const char *function, svo_parts_tree *tree, const svo_parts_region *given,
+svo_status svo_i_parts_view_open(const char *function, svo_parts_tree *tree, const svo_parts_region *region,
                                  svo_i_parts_view *view)
 {
-    svo_parts_region region;
-    SVO_I_TRY(read_region(function, tree, given, &region));
-    *view = (svo_i_parts_view){.tree = tree, .level = region.level};
-    SVO_I_TRY(take_info(view, function, &region));
-    SVO_I_TRY(find_levels(view, function, &region));
+    svo_parts_region asked;
+    SVO_I_TRY(read_region(function, tree, region, &asked));
+    *view = (svo_i_parts_view){.tree = tree, .level = asked.level};
+    SVO_I_TRY(take_info(view, function, &asked));
+    SVO_I_TRY(find_levels(view, function, &asked));
     (void)svo_i_chunks_place(&view->info, &view->head, view->entries);
     return find_checksums(view);
 }
 
 /* ---- loading and saving ---- */
 
-/* Opens a view on the heap, since its table of chunks is large; released by svo_i_free, also after a failure. */
 static svo_status open_view(const char *function, svo_parts_tree *tree, const svo_parts_region *region,
-                            svo_message *message, svo_i_parts_view **view)
+                            svo_message *message, svo_i_parts_view *view)
 {
     if (tree == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: tree is NULL", function);
+        (void)svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: tree is NULL", function);
+        return SVO_INVALID_ARGUMENT;
     }
     tree->message = message;
-    *view = svo_i_alloc(NULL, sizeof **view);
-    return *view != NULL ? svo_i_parts_view_open(function, tree, region, *view) : no_memory(tree);
+    return svo_i_parts_view_open(function, tree, region, view);
 }
 
 svo_status svo_parts_tree_load(svo_parts_tree *tree, const svo_parts_region *region, svo_tree **out,
                                svo_message *message)
 {
     static const char function[] = "svo_parts_tree_load";
-    svo_i_parts_view *view = NULL;
+    svo_i_parts_view view = {.tree = tree};
     if (out == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: out is NULL", function);
     }
-    svo_status status = open_view(function, tree, region, message, &view);
-    if (status == SVO_OK) {
-        svo_i_file_load load = {.source = svo_i_parts_view_source(view),
-                                .voxels_max = region != NULL ? region->voxels_max : 0};
-        status = svo_i_tree_file_load(&load, out);
-    }
-    svo_i_free(view);
-    return status;
+    SVO_I_TRY(open_view(function, tree, region, message, &view));
+    svo_i_file_load load = {.source = svo_i_parts_view_source(&view),
+                            .voxels_max = region != NULL ? region->voxels_max : 0};
+    return svo_i_tree_file_load(&load, out);
 }
 
 static bool take_bytes(void *sink, const void *bytes, size_t byte_count)
@@ -372,19 +367,12 @@ svo_status svo_parts_tree_save(svo_parts_tree *tree, const svo_parts_region *reg
                                svo_message *message)
 {
     static const char function[] = "svo_parts_tree_save";
-    svo_i_parts_view *view = NULL;
+    svo_i_parts_view view = {.tree = tree};
     svo_i_sink opened;
-    svo_status status = open_view(function, tree, region, message, &view);
-    if (status == SVO_OK) {
-        status = svo_i_sink_open(function, sink, message, &opened);
-    }
-    if (status == SVO_OK) {
-        status = svo_i_sink_close(&opened, write_view(view, &opened));
-    }
-    if (status == SVO_OK && info != NULL) {
-        status = svo_i_struct_write(message, function, "info", &view->info, info,
-                                    SVO_I_STRUCT_SIZES(svo_tree_info, ray_bytes));
-    }
-    svo_i_free(view);
-    return status;
+    SVO_I_TRY(open_view(function, tree, region, message, &view));
+    SVO_I_TRY(svo_i_sink_open(function, sink, message, &opened));
+    SVO_I_TRY(svo_i_sink_close(&opened, write_view(&view, &opened)));
+    return info == NULL ? SVO_OK
+                        : svo_i_struct_write(message, function, "info", &view.info, info,
+                                             SVO_I_STRUCT_SIZES(svo_tree_info, ray_bytes));
 }

@@ -22,7 +22,7 @@ typedef struct svo_i_parts_view {
 svo_status svo_i_parts_view_open(const char *function, svo_parts_tree *tree, const svo_parts_region *region,
                                  svo_i_parts_view *view);
 /* A svo_i_source_reader of a view: the head, or whole elements of one chunk or more. */
-svo_status svo_i_parts_view_read(void *view, uint64_t offset, void *out, size_t byte_count);
+svo_status svo_i_parts_view_read(void *of, uint64_t offset, void *out, size_t byte_count);
 /* The file as a source. */
 svo_i_source svo_i_parts_view_source(svo_i_parts_view *view);
 
