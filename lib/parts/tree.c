@@ -135,9 +135,9 @@ static svo_status open_folder(svo_parts_tree *tree, const char *path)
     return status;
 }
 
-static svo_status open_parts(svo_parts_tree *tree)
+static svo_status open_parts(const char *function, svo_parts_tree *tree)
 {
-    tree->all.header = tree->parts->header;
+    SVO_I_TRY(svo_i_part_header_read(function, &tree->parts->header, tree->message, &tree->all.header));
     tree->all.message = tree->message;
     SVO_I_TRY(svo_i_parts_gather(tree->parts, &tree->files, tree->message));
     SVO_I_TRY(svo_i_pieces_read(&tree->all, (const char *const *)tree->files.paths, tree->files.count));
@@ -157,7 +157,7 @@ svo_status svo_i_parts_tree_open(const char *function, const char *folder, svo_p
     }
     svo_status status = open_folder(tree, folder);
     if (status == SVO_OK) {
-        status = svo_i_parts_tell_cause(tree->parts, open_parts(tree), message);
+        status = svo_i_parts_tell_cause(tree->parts, open_parts(function, tree), message);
     }
     if (status == SVO_OK) {
         *out = tree;
@@ -640,11 +640,14 @@ static svo_status check_piece(svo_parts_tree *tree, size_t i)
     for (uint32_t k = 0; k < reader->content.head.segment_count; ++k) {
         const part_segment *segment = &reader->content.segments[k];
         const bool is_masks = segment->kind == SVO_TREE_CHILD_MASK;
+        if (segment->level > tree->all.header.depth - piece->level - (is_masks ? 1 : 0)) {
+            return svo_i_part_damaged(reader, "an array is of a level that it has not");
+        }
         mask_check check = {0, false};
         SVO_I_TRY(svo_i_part_stream(reader, segment, is_masks ? check_masks : NULL, &check));
         const uint32_t *begin = piece->level_begin + segment->level;
-        if (is_masks && (check.has_empty || segment->level + piece->level >= tree->all.header.depth ||
-                         segment->bytes != begin[1] - begin[0] || check.children != begin[2] - begin[1])) {
+        if (is_masks &&
+            (check.has_empty || segment->bytes != begin[1] - begin[0] || check.children != begin[2] - begin[1])) {
             return svo_i_part_damaged(reader, "its child masks and its levels do not agree");
         }
     }

@@ -61,6 +61,10 @@ static svo_status find_root(const char *function, svo_parts_tree *tree, const sv
             return no_node(function, tree, region);
         }
         SVO_I_TRY(svo_i_parts_tree_children(tree, level, node, &count));
+        if (count != svo_count_bits(mask)) {
+            return svo_i_fail(tree->message, SVO_FILE_DAMAGED, "%s: child masks and levels do not agree",
+                              tree->parts->folder);
+        }
         for (uint32_t i = 0; i < octant; ++i) {
             *node += mask >> i & 1u;
         }
