@@ -35,6 +35,7 @@
 #include "svocl/device.h"
 #include "svocl/export.h"
 #include "svocl/memory.h"
+#include "svocl/parts_tree.h"
 #include "svocl/status.h"
 #include "svocl/trace.h"
 
@@ -53,6 +54,9 @@ typedef struct svo_paged_options {
     /** An update that has read as many bytes reads no further page; 0: no limit. */
     uint64_t update_bytes;
     const svo_memory_callbacks *memory; /**< host memory, for the whole life of the tree; NULL: malloc and free */
+    /** Of a folder of parts, what is drawn. NULL, or last_level 0 for the root: down to svo_parts_tree_info.last_level.
+     *  Must be NULL for a .svo file. */
+    const svo_parts_region *region;
 } svo_paged_options;
 
 /** All defaults. */
@@ -98,19 +102,21 @@ typedef struct svo_paged_counts {
 /** An empty output. */
 #define SVO_PAGED_COUNTS_INIT SVO_STRUCT_INIT(svo_paged_counts)
 
-/** Opens a .svo file of version 3 whose chunks are not compressed, checks it and reads its upper levels.
+/** Opens a .svo file of version 3 whose chunks are not compressed, checks it and reads its upper levels. Or a region of
+ *  a tree of parts, which is read from the part files, as if the region's .svo file were there (parts_tree.h).
  *
  * Beside the buffers, the host holds 32 bytes for each page of the tree, 4 bytes for each page and level, and at
  * most a few MB of pages on their way.
  *
  * \param device that draws; must outlive the paged tree
- * \param path of the file, which stays open
+ * \param path of the file, which stays open; or of a folder of parts, or of the file "plan" in it
  * \param budget_bytes for buffers on the device: svo_paged_info.device_bytes is at most that. Pictures come on top
  * \param options NULL means all defaults
  * \param out receives the paged tree
  * \returns SVO_FILE_ERROR (cannot be read), SVO_FILE_DAMAGED, SVO_UNSUPPORTED (an older version, compressed, payload
- *          not on all levels, or the grid is beyond the range of floats), SVO_CAPACITY_EXCEEDED (budget_bytes is too
- *          small; the message has the least number), SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY,
+ *          not on all levels, or the grid is beyond the range of floats), what svo_parts_tree_load
+ *          returns of a region, SVO_CAPACITY_EXCEEDED (budget_bytes is too small; the message has the least number),
+ *          SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY,
  *          SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR on failure. */
 SVO_API svo_status svo_paged_open(svo_device *device, const char *path, uint64_t budget_bytes,
                                   const svo_paged_options *options, svo_paged **out);

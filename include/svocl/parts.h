@@ -17,6 +17,7 @@
  *     svo_parts_build           builds one part of the list, unless it is there
  *     svo_parts_finish          all parts are there -> the .svo file
  *     svo_parts_shares_...      the same by several processes
+ *     svo_parts_tree_open       all parts are there -> a tree, which nobody stitched      parts_tree.h
  *     svo_parts_remove          removes what is in the folder
  *
  * Every file has the identity of the plan that it is of: a hash of the triangles and materials, the grid, the options
@@ -177,9 +178,9 @@ typedef struct svo_parts_entry {
  *        at least 16 MiB
  * \param folder is made where it is not there
  * \param message receives the reason for a failure; NULL allowed
- * \returns SVO_CAPACITY_EXCEEDED (more than 2^32 - 2 nodes are expected, and nothing is written; or max_bytes is too
- *          small for any part), SVO_UNAVAILABLE (another process plans, builds or stitches the parts, or broke this
- *          one's lease, or there is no space), SVO_FILE_ERROR, and what svo_plan_create returns. */
+ * \returns SVO_CAPACITY_EXCEEDED (max_bytes is too small for any part), SVO_UNAVAILABLE (another process plans, builds
+ *          or stitches the parts, or broke this one's lease, or there is no space), SVO_FILE_ERROR, and what
+ *          svo_plan_create returns. */
 SVO_API svo_status svo_parts_create(svo_device *device, const svo_mesh *mesh, unsigned depth,
                                     const svo_plan_options *options, uint64_t max_bytes, const char *folder,
                                     svo_message *message);

@@ -218,6 +218,12 @@ svo_i_entry_name svo_i_tree_file_name(const svo_i_tree_file *file, uint32_t chun
 /* Reads the header and checks it and the whole table of chunks. load: set, and open. */
 svo_status svo_i_tree_file_read_head(svo_i_tree_file *file);
 
+/* Loads the tree of an open file, or its upper levels. */
+svo_status svo_i_tree_file_load(svo_i_file_load *state, svo_tree **out);
+
+/* The properties of the tree that ends at a level of a larger one: its nodes are the leaves, and the mesh is gone. */
+void svo_i_tree_keep_levels(svo_tree_info *info, uint32_t last_level);
+
 /* ---- what files hold ---- */
 
 /*

@@ -81,6 +81,9 @@ void svo_i_source_close(svo_i_source *source)
 
 svo_status svo_i_source_read(const svo_i_source *source, uint64_t offset, void *out, size_t byte_count)
 {
+    if (source->read != NULL) {
+        return source->read(source->of, offset, out, byte_count);
+    }
     if (source->bytes != NULL) {
         memcpy(out, source->bytes + offset, byte_count);
         return SVO_OK;

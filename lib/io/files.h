@@ -17,12 +17,17 @@
 /* Reads bytes from a place on; *got: how many, fewer where the file ends before. Returns 0 or an errno. */
 int svo_i_read_at(int file, uint64_t offset, void *out, size_t byte_count, size_t *got);
 
+/* Reads bytes of a file that is made while it is read. */
+typedef svo_status (*svo_i_source_reader)(void *of, uint64_t offset, void *out, size_t byte_count);
+
 typedef struct svo_i_source {
     const char *name; /* begins messages */
     svo_message *message;
     const uint8_t *bytes; /* the caller's, of the whole file; NULL: they are read from file */
     int file; /* -1: none */
     uint64_t byte_count; /* of the whole file */
+    svo_i_source_reader read; /* in place of both; NULL: none */
+    void *of; /* passed to read */
 } svo_i_source;
 
 /* Opens a source. function: of the caller, for the message. To be closed after success. */

@@ -338,8 +338,7 @@ static svo_status repeat_constants(const svo_i_file_load *load, svo_tree *tree)
 
 /* ---- upper levels ---- */
 
-/* The properties of the tree that ends at a level: its nodes are the leaves, and the mesh is gone. */
-static void keep_levels(svo_tree_info *info, uint32_t last_level)
+void svo_i_tree_keep_levels(svo_tree_info *info, uint32_t last_level)
 {
     const uint32_t kept = info->payload_level <= last_level ? info->need & SVO_I_PAYLOAD_NEEDS : 0;
     info->depth = last_level;
@@ -359,7 +358,7 @@ static void keep_levels(svo_tree_info *info, uint32_t last_level)
 /* Shortens the arrays of a whole tree to those of its upper levels: nodes lie level after level. */
 static void shorten(svo_tree *tree, uint32_t last_level)
 {
-    keep_levels(&tree->info, last_level);
+    svo_i_tree_keep_levels(&tree->info, last_level);
     for (uint32_t i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         const svo_tree_buffer buffer = (svo_tree_buffer)i;
         const bool holds = svo_i_tree_holds(&tree->info, buffer);
@@ -397,7 +396,7 @@ static svo_status load_tree(svo_i_tree_file *file, uint32_t last_level, svo_tree
     const bool by_levels = load->head.header.version >= FILE_BY_LEVELS;
     tree->info = file->info;
     if (last_level != 0 && by_levels) {
-        keep_levels(&tree->info, last_level);
+        svo_i_tree_keep_levels(&tree->info, last_level);
     }
     SVO_I_TRY(svo_i_file_limit(load, tree->info.node_count, count_bytes(&tree->info)));
     SVO_I_TRY(read_entries(file, tree));
@@ -418,7 +417,7 @@ svo_status svo_i_tree_file_read_head(svo_i_tree_file *file)
     return check_entries(file);
 }
 
-static svo_status load(svo_i_file_load *state, svo_tree **out)
+svo_status svo_i_tree_file_load(svo_i_file_load *state, svo_tree **out)
 {
     svo_i_tree_file file = {.load = state};
     svo_status status = SVO_OK;
@@ -449,7 +448,7 @@ svo_status svo_tree_load(svo_source source, const svo_load_options *options, svo
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_load: out is NULL");
     }
     SVO_I_TRY(svo_i_file_load_open("svo_tree_load", source, options, message, &state));
-    const svo_status status = load(&state, out);
+    const svo_status status = svo_i_tree_file_load(&state, out);
     svo_i_source_close(&state.source);
     return status;
 }

@@ -4,7 +4,10 @@
  * pictures of what is there, with the pages that they used and missed. Bands are counted from the leaves up, so the top
  * level is above the leaves by a multiple of the levels of a page.
  */
+#define _POSIX_C_SOURCE 200809L
 #include <inttypes.h>
+#include <string.h>
+#include <sys/stat.h>
 
 #include "core/struct_size.h"
 #include "paged/paged.h"
@@ -165,7 +168,7 @@ static svo_status read_options(svo_device *device, const svo_paged_options *give
     static const char function[] = "svo_paged_open";
     svo_message *message = svo_i_device_message(device);
     SVO_I_TRY(
-        svo_i_struct_read(message, function, "options", given, asked, SVO_I_STRUCT_SIZES(svo_paged_options, memory)));
+        svo_i_struct_read(message, function, "options", given, asked, SVO_I_STRUCT_SIZES(svo_paged_options, region)));
     asked->page_levels = asked->page_levels == 0 ? PAGED_LEVELS_DEFAULT : asked->page_levels;
     if (asked->page_levels < PAGED_LEVELS_MIN || asked->page_levels > PAGED_LEVELS_MAX) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.page_levels %" PRIu32 " is not in %d .. %d",
@@ -241,6 +244,48 @@ static svo_paged *make(svo_device *device, const char *path, const svo_i_memory 
     return paged;
 }
 
+/* Whether a path is that of a folder of parts, or of its plan. */
+static bool is_folder(const char *path)
+{
+    struct stat found;
+    const char *slash = strrchr(path, '/');
+    return stat(path, &found) == 0 && (S_ISDIR(found.st_mode) || strcmp(slash != NULL ? slash + 1 : path, "plan") == 0);
+}
+
+/* Opens a region of a folder of parts in place of a file. */
+static svo_status open_parts(svo_paged *paged, const svo_parts_region *given)
+{
+    static const char function[] = "svo_paged_open";
+    svo_message *message = svo_i_device_message(paged->device);
+    svo_parts_region region = SVO_PARTS_REGION_INIT;
+    SVO_I_TRY(svo_i_parts_tree_open(function, paged->path, &paged->parts, message));
+    SVO_I_TRY(svo_i_struct_read(message, function, "options.region", given, &region,
+                                SVO_I_STRUCT_SIZES(svo_parts_region, voxels_max)));
+    if (region.level == 0 && region.last_level == 0) {
+        region.last_level = svo_i_parts_tree_last_level(paged->parts);
+    }
+    paged->view = svo_i_alloc(&paged->memory, sizeof *paged->view);
+    if (paged->view == NULL) {
+        return svo_i_device_fail(paged->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %s", function, paged->path);
+    }
+    SVO_I_TRY(svo_i_parts_view_open(function, paged->parts, &region, paged->view));
+    paged->load.source = svo_i_parts_view_source(paged->view);
+    return SVO_OK;
+}
+
+static svo_status open_source(svo_paged *paged, const svo_paged_options *asked)
+{
+    static const char function[] = "svo_paged_open";
+    if (is_folder(paged->path)) {
+        return open_parts(paged, asked->region);
+    }
+    return asked->region == NULL ? svo_i_source_open(function, svo_from_path(paged->path),
+                                                     svo_i_device_message(paged->device), &paged->load.source)
+                                 : svo_i_device_fail(paged->device, SVO_INVALID_ARGUMENT,
+                                                     "%s: options.region is not NULL, and %s is no folder of parts",
+                                                     function, paged->path);
+}
+
 svo_status svo_paged_open(svo_device *device, const char *path, uint64_t budget_bytes, const svo_paged_options *options,
                           svo_paged **out)
 {
@@ -260,8 +305,7 @@ svo_status svo_paged_open(svo_device *device, const char *path, uint64_t budget_
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_paged_open: no memory for %s", path);
     }
     paged->update_bytes = asked.update_bytes;
-    SVO_I_TRY_CLEANUP(svo_i_source_open("svo_paged_open", svo_from_path(paged->path), svo_i_device_message(device),
-                                        &paged->load.source));
+    SVO_I_TRY_CLEANUP(open_source(paged, &asked));
     SVO_I_TRY_CLEANUP(fill(paged, &asked, budget_bytes));
     *out = paged;
     paged = NULL;
@@ -285,6 +329,8 @@ void svo_paged_close(svo_paged **paged)
     }
     svo_i_free(closed->pages);
     svo_i_source_close(&closed->load.source);
+    svo_i_free(closed->view);
+    svo_parts_tree_close(&closed->parts);
     svo_i_free(closed->path);
     svo_i_free(closed);
     *paged = NULL;

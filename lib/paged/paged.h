@@ -15,6 +15,7 @@
 #include "core/device.h"
 #include "core/memory.h"
 #include "io/file_format.h"
+#include "parts/view.h"
 #include "shared/layout.h"
 #include "svocl/paged.h"
 
@@ -96,6 +97,8 @@ struct svo_paged {
     svo_i_memory memory;
     char *path; /* owned */
     svo_i_file_load load; /* open */
+    svo_parts_tree *parts; /* of a folder, owned; NULL: a file */
+    svo_i_parts_view *view; /* of it, which load reads; owned */
     svo_i_tree_file file;
     svo_ray_params params;
     paged_layout layout;

@@ -94,27 +94,34 @@ static bool has_elements(const svo_i_stitcher *s, const svo_i_filling *to, uint3
            svo_i_chunks_are_of_parts(s, to->entry.buffer);
 }
 
-static svo_status put_upper(svo_i_stitcher *s, svo_i_filling *to, const svo_i_upper_node *upper)
+const void *svo_i_chunks_upper(const svo_i_upper_node *upper, svo_tree_buffer array)
 {
-    switch (to->entry.buffer) {
+    switch (array) {
     case SVO_TREE_CHILD_MASK:
-        return put(s, to, &upper->mask, 1);
+        return &upper->mask;
     case SVO_TREE_COLORS:
-        return put(s, to, upper->payload.color, sizeof upper->payload.color);
+        return upper->payload.color;
     case SVO_TREE_NORMALS:
-        return put(s, to, upper->payload.normal, sizeof upper->payload.normal);
+        return upper->payload.normal;
     case SVO_TREE_MATERIALS:
-        return put(s, to, &upper->payload.material, sizeof upper->payload.material);
+        return &upper->payload.material;
     case SVO_TREE_FILLS:
-        return put(s, to, &upper->payload.fill, sizeof upper->payload.fill);
+        return &upper->payload.fill;
     default:
-        return svo_i_fail(s->message, SVO_INTERNAL, "svo_parts_stitch: %s has no elements above the leaves",
-                          svo_name(SVO_NAME_TREE_BUFFER, to->entry.buffer));
+        return NULL;
     }
 }
 
-/* Bytes that a part's segment must have; lists have any number of entries. */
-static uint64_t segment_bytes(const svo_i_piece *piece, uint32_t kind, uint32_t level)
+static svo_status put_upper(svo_i_stitcher *s, svo_i_filling *to, const svo_i_upper_node *upper)
+{
+    const void *element = svo_i_chunks_upper(upper, to->entry.buffer);
+    return element != NULL
+               ? put(s, to, element, svo_i_tree_element_bytes(to->entry.buffer))
+               : svo_i_fail(s->message, SVO_INTERNAL, "svo_parts_stitch: %s has no elements above the leaves",
+                            svo_name(SVO_NAME_TREE_BUFFER, to->entry.buffer));
+}
+
+uint64_t svo_i_chunks_segment_bytes(const svo_i_piece *piece, uint32_t kind, uint32_t level)
 {
     const uint64_t nodes = piece->level_begin[level + 1] - piece->level_begin[level];
     return kind == SVO_TREE_LIST ? piece->list_count * sizeof(uint32_t)
@@ -127,7 +134,7 @@ uint64_t svo_i_chunks_part_bytes(const svo_i_stitcher *s, const svo_i_piece *pie
     for (uint32_t i = 0; i < s->filling_count; ++i) {
         const file_entry *entry = &s->fillings[i].entry;
         if (has_elements(s, &s->fillings[i], piece->level, true)) {
-            bytes += segment_bytes(piece, (uint32_t)entry->buffer, entry->level - piece->level);
+            bytes += svo_i_chunks_segment_bytes(piece, (uint32_t)entry->buffer, entry->level - piece->level);
         }
     }
     return bytes;
@@ -140,7 +147,7 @@ static svo_status put_segment(svo_i_stitcher *s, svo_i_filling *to, const svo_i_
     const uint32_t own_level = to->entry.level - piece->level;
     const part_segment *segment = svo_i_part_find(reader, kind, own_level);
     target at = {s, to};
-    if (segment == NULL || segment->bytes != segment_bytes(piece, kind, own_level)) {
+    if (segment == NULL || segment->bytes != svo_i_chunks_segment_bytes(piece, kind, own_level)) {
         return svo_i_part_damaged(reader, "an array is missing or has another length");
     }
     SVO_I_TRY(svo_i_part_stream(reader, segment, kind == SVO_TREE_LIST_BEGIN ? put_list_begins : put_bytes, &at));
@@ -185,9 +192,9 @@ static void pass_over(const svo_i_stitcher *s, uint32_t level, const svo_i_piece
     for (uint32_t i = 0; i < s->filling_count; ++i) {
         svo_i_filling *to = &s->fillings[i];
         if (has_elements(s, to, level, piece != NULL)) {
-            to->chunk->plain_bytes += piece != NULL
-                                          ? segment_bytes(piece, (uint32_t)to->entry.buffer, to->entry.level - level)
-                                          : svo_i_tree_element_bytes(to->entry.buffer);
+            to->chunk->plain_bytes +=
+                piece != NULL ? svo_i_chunks_segment_bytes(piece, (uint32_t)to->entry.buffer, to->entry.level - level)
+                              : svo_i_tree_element_bytes(to->entry.buffer);
             to->next += piece != NULL && to->entry.buffer == SVO_TREE_LIST_BEGIN ? piece->list_count : 0;
         }
     }
@@ -214,16 +221,19 @@ svo_status svo_i_chunks_put_parts(svo_i_stitcher *s)
 
 /* ---- what parts do not have ---- */
 
-/* Payload that is the same in every node; zero in a tree without leaves. */
-static svo_status put_constant(svo_i_stitcher *s, svo_i_filling *to)
+const void *svo_i_chunks_constant(const svo_part_header *header, const svo_tree_info *info, svo_tree_buffer array)
 {
     static const unsigned char none[8] = {0};
-    const svo_part_header *header = &s->all.header;
-    const svo_tree_buffer array = to->entry.buffer;
     const void *value = array == SVO_TREE_COLORS    ? (const void *)header->constant_color
                         : array == SVO_TREE_NORMALS ? (const void *)header->constant_normal
                                                     : (const void *)&header->constant_material;
-    return put(s, to, s->info.leaf_count > 0 ? value : none, svo_i_tree_element_bytes(array));
+    return info->leaf_count > 0 ? value : none;
+}
+
+static svo_status put_constant(svo_i_stitcher *s, svo_i_filling *to)
+{
+    const svo_tree_buffer array = to->entry.buffer;
+    return put(s, to, svo_i_chunks_constant(&s->all.header, &s->info, array), svo_i_tree_element_bytes(array));
 }
 
 static svo_status put_mesh(svo_i_stitcher *s, svo_i_filling *to)
@@ -265,8 +275,7 @@ static svo_status put_rest(svo_i_stitcher *s, svo_i_filling *to)
 
 /* ---- all chunks ---- */
 
-/* What the header says of the whole tree. */
-static svo_tree_info info_of(const svo_part_header *header)
+svo_tree_info svo_i_chunks_info(const svo_part_header *header)
 {
     svo_tree_info info = {.depth = header->depth,
                           .snap_bits = header->snap_bits,
@@ -289,26 +298,23 @@ static svo_tree_info info_of(const svo_part_header *header)
     return info;
 }
 
-/* Places the chunks, whose lengths follow from the counts. */
-static void place_chunks(svo_i_stitcher *s, const file_entry *entries)
+uint32_t svo_i_chunks_place(const svo_tree_info *info, file_head *head, file_entry entries[FILE_CHUNKS_MAX])
 {
-    file_header *header = &s->head.header;
-    svo_i_file_fill_header(header, &s->info);
-    header->chunk_count = s->filling_count;
-    header->header_bytes = (uint32_t)(sizeof *header + s->filling_count * sizeof(file_chunk));
+    file_header *header = &head->header;
+    const uint32_t count = svo_i_file_list_entries(info, FILE_VERSION, entries);
+    svo_i_file_fill_header(header, info);
+    header->chunk_count = count;
+    header->header_bytes = (uint32_t)(sizeof *header + count * sizeof(file_chunk));
     header->file_bytes = header->header_bytes;
-    for (uint32_t i = 0; i < s->filling_count; ++i) {
-        svo_i_filling *to = &s->fillings[i];
-        to->entry = entries[i];
-        to->chunk = &s->head.chunks[i];
-        to->is_left_out = false;
-        *to->chunk = (file_chunk){.kind = file_entry_kind(&entries[i]),
-                                  .codec = FILE_CODEC_STORED,
-                                  .offset = header->file_bytes,
-                                  .stored_bytes = svo_i_file_entry_count(&s->info, FILE_VERSION, &entries[i]) *
-                                                  svo_i_tree_element_bytes(entries[i].buffer)};
-        header->file_bytes += to->chunk->stored_bytes;
+    for (uint32_t i = 0; i < count; ++i) {
+        head->chunks[i] = (file_chunk){.kind = file_entry_kind(&entries[i]),
+                                       .codec = FILE_CODEC_STORED,
+                                       .offset = header->file_bytes,
+                                       .stored_bytes = svo_i_file_entry_count(info, FILE_VERSION, &entries[i]) *
+                                                       svo_i_tree_element_bytes(entries[i].buffer)};
+        header->file_bytes += head->chunks[i].stored_bytes;
     }
+    return count;
 }
 
 static svo_status alloc_fillings(svo_i_stitcher *s)
@@ -326,11 +332,15 @@ static svo_status alloc_fillings(svo_i_stitcher *s)
 svo_status svo_i_chunks_begin(svo_i_stitcher *s)
 {
     file_entry entries[FILE_CHUNKS_MAX];
-    s->info = info_of(&s->all.header);
+    s->info = svo_i_chunks_info(&s->all.header);
     SVO_I_TRY(svo_i_pieces_count(&s->all, &s->info));
-    s->filling_count = svo_i_file_list_entries(&s->info, FILE_VERSION, entries);
+    s->filling_count = svo_i_chunks_place(&s->info, &s->head, entries);
     SVO_I_TRY(alloc_fillings(s));
-    place_chunks(s, entries);
+    for (uint32_t i = 0; i < s->filling_count; ++i) {
+        s->fillings[i].entry = entries[i];
+        s->fillings[i].chunk = &s->head.chunks[i];
+        s->fillings[i].is_left_out = false;
+    }
     svo_i_chunks_restart(s);
     return SVO_OK;
 }

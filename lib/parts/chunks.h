@@ -52,6 +52,17 @@ svo_status svo_i_chunks_finish(svo_i_stitcher *s);
 svo_status svo_i_chunks_put_head(svo_i_stitcher *s);
 void svo_i_chunks_free(svo_i_stitcher *s);
 
+/* What the header says of the whole tree: all but counts. */
+svo_tree_info svo_i_chunks_info(const svo_part_header *header);
+/* Fills the head of a tree's file, but for checksums, and lists its chunks. Returns their number. */
+uint32_t svo_i_chunks_place(const svo_tree_info *info, file_head *head, file_entry entries[FILE_CHUNKS_MAX]);
+/* The element of payload that is the same in every node; zero in a tree without leaves. */
+const void *svo_i_chunks_constant(const svo_part_header *header, const svo_tree_info *info, svo_tree_buffer array);
+/* The element of a node above the parts; NULL: it has none. */
+const void *svo_i_chunks_upper(const svo_i_upper_node *upper, svo_tree_buffer array);
+/* Bytes that a part's segment must have, of one of its own levels; lists have any number of entries. */
+uint64_t svo_i_chunks_segment_bytes(const svo_i_piece *piece, uint32_t kind, uint32_t level);
+
 /* Whether parts and the nodes above them have elements of an array. */
 bool svo_i_chunks_are_of_parts(const svo_i_stitcher *s, svo_tree_buffer array);
 /* Bytes of a part in all chunks. */

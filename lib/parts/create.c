@@ -193,7 +193,6 @@ static svo_status plan_whole(svo_parts *parts, svo_device *device, const svo_mes
     if (svo_plan_get_part_header(*plan, &parts->header) != SVO_OK) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_parts_create: options.part_header is not NULL");
     }
-    SVO_I_TRY(svo_i_parts_check_nodes(&parts->header, message));
     if (parts->max_bytes == 0) {
         svo_plan_info info = SVO_PLAN_INFO_INIT;
         (void)svo_plan_get_info(*plan, &info);

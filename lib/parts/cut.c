@@ -18,7 +18,6 @@
 #define TRIANGLE_BYTES 320u
 #define COLUMN_BYTES   400u
 
-#define NODES_MAX 4294967294.0
 /* Without a limit, parts take at most this share of the whole, or so many bytes, which the least part needs. */
 #define PARTS_LEAST      16u
 #define PART_BYTES_LEAST ((uint64_t)16 << 20)
@@ -252,15 +251,6 @@ svo_status svo_i_cut_write_tails(const svo_parts *parts, const svo_i_cut *cut, c
         SVO_I_TRY(status);
     }
     return SVO_OK;
-}
-
-svo_status svo_i_parts_check_nodes(const svo_part_header *header, svo_message *message)
-{
-    return header->expected_nodes <= NODES_MAX
-               ? SVO_OK
-               : svo_i_fail(message, SVO_CAPACITY_EXCEEDED,
-                            "svo_parts_create: about %.0f nodes are expected at depth %u, above 2^32 - 2",
-                            header->expected_nodes, header->depth);
 }
 
 void svo_i_cut_free(svo_i_cut *cut)

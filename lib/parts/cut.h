@@ -36,8 +36,6 @@ uint64_t svo_i_parts_least_bytes(const svo_parts *parts, uint64_t triangles);
 /* Completes the files of triangles of a cut, whose records are there. hashes: of each part. */
 svo_status svo_i_cut_write_tails(const svo_parts *parts, const svo_i_cut *cut, const svo_i_triangle_hash *hashes,
                                  svo_message *message);
-/* SVO_CAPACITY_EXCEEDED: the mesh's area alone makes more nodes than a file may have. */
-svo_status svo_i_parts_check_nodes(const svo_part_header *header, svo_message *message);
 void svo_i_cut_free(svo_i_cut *cut);
 
 #endif

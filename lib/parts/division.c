@@ -224,7 +224,7 @@ static svo_status make_header(svo_parts_planning *p, svo_message *message)
         return fail_device(p, status, message);
     }
     p->parts->header.input_hash = hash.value;
-    return svo_i_parts_check_nodes(&p->parts->header, message);
+    return SVO_OK;
 }
 
 /* Makes the task of a range: its section of each part. places: how many triangles the parts have so far. */

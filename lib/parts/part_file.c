@@ -295,7 +295,7 @@ svo_status svo_i_part_damaged(const svo_i_part_reader *reader, const char *why)
     return svo_i_fail(reader->message, SVO_FILE_DAMAGED, "%s: %s", reader->path, why);
 }
 
-static svo_status read_at(const svo_i_part_reader *reader, uint64_t offset, void *out, size_t byte_count)
+svo_status svo_i_part_read(const svo_i_part_reader *reader, uint64_t offset, void *out, size_t byte_count)
 {
     size_t got = 0;
     const int error = svo_i_read_at(reader->file, offset, out, byte_count, &got);
@@ -385,9 +385,10 @@ static svo_status read_head(svo_i_part_reader *reader, const svo_part_header *he
     if (!S_ISREG(found.st_mode)) {
         return svo_i_fail(reader->message, SVO_FILE_ERROR, "%s: not a file", reader->path);
     }
-    SVO_I_TRY(read_at(reader, 0, head, sizeof *head));
+    SVO_I_TRY(svo_i_part_read(reader, 0, head, sizeof *head));
     SVO_I_TRY(check_head(reader, (uint64_t)found.st_size));
-    SVO_I_TRY(read_at(reader, sizeof *head, reader->content.segments, head->segment_count * sizeof(part_segment)));
+    SVO_I_TRY(
+        svo_i_part_read(reader, sizeof *head, reader->content.segments, head->segment_count * sizeof(part_segment)));
     const size_t head_bytes = sizeof *head + head->segment_count * sizeof(part_segment);
     if (XXH3_64bits((const char *)&reader->content + PART_HASH_BEGIN, head_bytes - PART_HASH_BEGIN) !=
         head->head_hash) {
@@ -436,7 +437,7 @@ svo_status svo_i_part_stream(const svo_i_part_reader *reader, const part_segment
     XXH3_64bits_reset(&state);
     for (uint64_t at = 0; at < segment->bytes; at += sizeof piece) {
         const size_t count = segment->bytes - at < sizeof piece ? (size_t)(segment->bytes - at) : sizeof piece;
-        SVO_I_TRY(read_at(reader, segment->offset + at, piece, count));
+        SVO_I_TRY(svo_i_part_read(reader, segment->offset + at, piece, count));
         XXH3_64bits_update(&state, piece, count);
         if (visit != NULL) {
             SVO_I_TRY(visit(user, piece, count));

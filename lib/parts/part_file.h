@@ -104,6 +104,8 @@ typedef svo_status (*svo_i_part_visitor)(void *user, const void *bytes, size_t b
    NULL allowed. */
 svo_status svo_i_part_stream(const svo_i_part_reader *reader, const part_segment *segment, svo_i_part_visitor visit,
                              void *user);
+/* Reads bytes of the file, which are not checked. */
+svo_status svo_i_part_read(const svo_i_part_reader *reader, uint64_t offset, void *out, size_t byte_count);
 /* Fails for a file whose contents contradict each other. */
 svo_status svo_i_part_damaged(const svo_i_part_reader *reader, const char *why);
 

@@ -111,9 +111,6 @@ static svo_i_part_payload round_sums(const svo_i_part_root *root, uint32_t face_
 
 /* ---- pieces ---- */
 
-/* A tree's nodes and list entries are numbered in 32 bits, and the last number is none. */
-#define NODES_MAX (UINT32_MAX - 1u)
-
 static svo_status no_memory(const svo_i_pieces *all)
 {
     return svo_i_fail(all->message, SVO_OUT_OF_HOST_MEMORY, "svo_parts_stitch: no memory for %zu parts",
@@ -163,6 +160,7 @@ static svo_status read_piece(const svo_i_pieces *all, const char *path, svo_i_pi
                            .head_hash = head->head_hash,
                            .fragments = head->fragments,
                            .list_count = list != NULL ? list->bytes / sizeof(uint32_t) : 0,
+                           .file_bytes = head->file_bytes,
                            .root.sums = head->root};
     memcpy(piece->level_begin, head->level_begin, sizeof piece->level_begin);
     status = read_runs(&reader, &piece->root);
@@ -203,8 +201,7 @@ static uint64_t code_on(const svo_i_piece *piece, uint32_t level)
     return piece->code >> (3 * (piece->level - level));
 }
 
-/* Whether the i-th part is the first below its node of a level above it. */
-static bool begins_upper(const svo_i_pieces *all, size_t i, uint32_t level)
+bool svo_i_pieces_begins_upper(const svo_i_pieces *all, size_t i, uint32_t level)
 {
     const svo_i_piece *piece = &all->pieces[i];
     const bool above = piece->level > level;
@@ -219,7 +216,7 @@ static svo_status list_uppers(svo_i_pieces *all)
     size_t count = all->piece_count == 0 ? 1 : 0;
     for (uint32_t level = 0; level < depth; ++level) {
         for (size_t i = 0; i < all->piece_count; ++i) {
-            count += begins_upper(all, i, level) ? 1u : 0u;
+            count += svo_i_pieces_begins_upper(all, i, level) ? 1u : 0u;
         }
         all->upper_begin[level + 1] = count;
     }
@@ -230,7 +227,7 @@ static svo_status list_uppers(svo_i_pieces *all)
     size_t next = 0;
     for (uint32_t level = 0; level < depth; ++level) {
         for (size_t i = 0; i < all->piece_count; ++i) {
-            if (begins_upper(all, i, level)) {
+            if (svo_i_pieces_begins_upper(all, i, level)) {
                 all->uppers[next++].code = code_on(&all->pieces[i], level);
             }
         }
@@ -245,7 +242,7 @@ static svo_status visit_level(const svo_i_pieces *all, uint32_t level, svo_i_pie
     for (size_t i = 0; i < all->piece_count; ++i) {
         if (all->pieces[i].level <= level) {
             SVO_I_TRY(visit(user, level, NULL, &all->pieces[i]));
-        } else if (begins_upper(all, i, level)) {
+        } else if (svo_i_pieces_begins_upper(all, i, level)) {
             SVO_I_TRY(visit(user, level, upper++, NULL));
         }
     }
@@ -320,8 +317,7 @@ void svo_i_pieces_free(svo_i_pieces *all)
     svo_i_free(all->uppers);
 }
 
-/* Nodes of a level in all parts and above them. */
-static uint64_t count_level(const svo_i_pieces *all, uint32_t level)
+uint64_t svo_i_pieces_count_level(const svo_i_pieces *all, uint32_t level)
 {
     uint64_t nodes = level < all->header.depth ? all->upper_begin[level + 1] - all->upper_begin[level] : 0;
     for (size_t i = 0; i < all->piece_count; ++i) {
@@ -338,16 +334,17 @@ svo_status svo_i_pieces_count(const svo_i_pieces *all, svo_tree_info *info)
     uint64_t begin[SVO_LEVELS_MAX] = {0};
     const uint32_t depth = all->header.depth;
     for (uint32_t level = 0; level <= depth; ++level) {
-        begin[level + 1] = begin[level] + count_level(all, level);
+        begin[level + 1] = begin[level] + svo_i_pieces_count_level(all, level);
     }
     for (size_t i = 0; i < all->piece_count; ++i) {
         info->fragments += all->pieces[i].fragments;
         info->list_count += all->pieces[i].list_count;
     }
-    if (begin[depth + 1] > NODES_MAX || info->list_count > NODES_MAX) {
+    if (begin[depth + 1] > PIECES_NODES_MAX || info->list_count > PIECES_NODES_MAX) {
         return svo_i_fail(all->message, SVO_CAPACITY_EXCEEDED,
                           "svo_parts_stitch: the tree has %" PRIu64 " nodes and %" PRIu64
-                          " list entries, above 2^32 - 2; lower the depth",
+                          " list entries, above the 2^32 - 2 of a .svo file; the folder of parts is a tree in itself "
+                          "(svocl info, hash, render --paged, convert --levels), or lower the depth",
                           begin[depth + 1], info->list_count);
     }
     for (uint32_t level = 0; level <= depth + 1; ++level) {
@@ -369,7 +366,7 @@ svo_status svo_i_pieces_visit_all(const svo_i_pieces *all, svo_i_piece_visitor v
     for (size_t i = 0; i < all->piece_count; ++i) {
         const svo_i_piece *piece = &all->pieces[i];
         for (uint32_t level = 0; level < piece->level; ++level) {
-            if (begins_upper(all, i, level)) {
+            if (svo_i_pieces_begins_upper(all, i, level)) {
                 SVO_I_TRY(visit(user, level, &all->uppers[next[level]++], NULL));
             }
         }

@@ -29,6 +29,7 @@ typedef struct svo_i_piece {
     uint64_t head_hash; /* of the file, with the checksums of its arrays */
     uint64_t fragments;
     uint64_t list_count;
+    uint64_t file_bytes; /* where the file was read */
     svo_i_part_root root;
     uint32_t level_begin[SVO_LEVELS_MAX];
 } svo_i_piece;
@@ -40,6 +41,9 @@ typedef struct svo_i_upper_node {
     svo_i_part_payload payload;
     uint8_t mask;
 } svo_i_upper_node;
+
+/* A tree's nodes and list entries are numbered in 32 bits, and the last number is none. */
+#define PIECES_NODES_MAX (UINT32_MAX - 1u)
 
 typedef struct svo_i_pieces {
     svo_part_header header;
@@ -57,6 +61,11 @@ void svo_i_pieces_free(svo_i_pieces *all);
 
 /* Counts nodes and fragments into the info of the whole tree. Fails with SVO_CAPACITY_EXCEEDED. */
 svo_status svo_i_pieces_count(const svo_i_pieces *all, svo_tree_info *info);
+
+/* Nodes of a level, of all parts and above them. */
+uint64_t svo_i_pieces_count_level(const svo_i_pieces *all, uint32_t level);
+/* Whether the i-th part is the first below its node of a level above it. */
+bool svo_i_pieces_begins_upper(const svo_i_pieces *all, size_t i, uint32_t level);
 
 /* Called with a node above the parts, or with a part. The other is NULL. */
 typedef svo_status (*svo_i_piece_visitor)(void *user, uint32_t level, const svo_i_upper_node *upper,

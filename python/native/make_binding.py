@@ -69,11 +69,13 @@ def main() -> None:
     parser.add_argument("--compiler", required=True, help="the C compiler, for its preprocessor")
     parser.add_argument("--include", required=True, help="the folder of svocl/svocl.h")
     parser.add_argument("--output", required=True, help="the C file to write")
-    parser.add_argument("--io", action="store_true", help="bind io.h, paged.h, parts.h and points.h of svocl too")
+    parser.add_argument(
+        "--io", action="store_true", help="bind io.h, paged.h, parts.h, parts_tree.h and points.h of svocl too"
+    )
     arguments = parser.parse_args()
     includes = '#include "svocl/svocl.h"\n'
     if arguments.io:
-        includes += "".join(f'#include "svocl/{name}.h"\n' for name in ("io", "paged", "parts", "points"))
+        includes += "".join(f'#include "svocl/{name}.h"\n' for name in ("io", "paged", "parts", "parts_tree", "points"))
     builder = cffi.FFI()
     builder.cdef(declarations(arguments.compiler, arguments.include, includes) + CL_FUNCTIONS + CALLBACKS)
     builder.set_source("svocl._native", includes)

@@ -65,10 +65,10 @@ headers_of()
     local header
     case ${1##*/} in
     libsvocl_gl.*) printf '%s\n' "$source/include/svocl/gl.h" ;;
-    libsvocl_io.*) printf '%s\n' "$source"/include/svocl/{io,paged,parts,points,voxel_files}.h ;;
+    libsvocl_io.*) printf '%s\n' "$source"/include/svocl/{io,paged,parts,parts_tree,points,voxel_files}.h ;;
     *)
         for header in "$source"/include/svocl/*.h; do
-            [[ $header == */@(gl|io|paged|parts|points|voxel_files).h ]] || printf '%s\n' "$header"
+            [[ $header == */@(gl|io|paged|parts|parts_tree|points|voxel_files).h ]] || printf '%s\n' "$header"
         done
         ;;
     esac

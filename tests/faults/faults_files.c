@@ -15,6 +15,7 @@
 #include "support/info_of.h"
 #include "svocl/paged.h"
 #include "svocl/parts.h"
+#include "svocl/parts_tree.h"
 
 /*
  * Scenarios: files.
@@ -334,6 +335,32 @@ static void digest_surface(subject *of)
 
 #define PART_BYTES 500000
 
+/* The folder as a tree: hash and check of the whole, levels above the leaves to a tree and to a file. */
+static svo_status read_parts_tree(subject *of, const char *path)
+{
+    char folder[128], hash[SVO_HASH_TEXT_BYTES];
+    svo_parts_tree *tree = NULL;
+    svo_parts_tree_info info = SVO_PARTS_TREE_INFO_INIT;
+    svo_parts_region region = SVO_PARTS_REGION_INIT;
+    svo_tree *upper = NULL;
+    svo_status status = SVO_OK;
+    region.last_level = DEPTH - 1;
+    (void)snprintf(folder, sizeof folder, "%s/parts", world.folder);
+    SVO_I_TRY_CLEANUP(svo_parts_tree_open(folder, &tree, &of->message));
+    SVO_I_TRY_CLEANUP(svo_parts_tree_get_info(tree, &info, &of->message));
+    SVO_I_TRY_CLEANUP(svo_parts_tree_hash(tree, SVO_HASH_ALL, hash, &of->message));
+    SVO_I_TRY_CLEANUP(svo_parts_tree_check(tree, 1, 0, NULL, &of->message));
+    SVO_I_TRY_CLEANUP(svo_parts_tree_load(tree, &region, &upper, &of->message));
+    SVO_I_TRY_CLEANUP(svo_parts_tree_save(tree, &region, svo_to_path(path), NULL, &of->message));
+    faults_spare(true);
+    assert_int_equal(unlink(path), 0);
+    faults_spare(false);
+cleanup:
+    svo_tree_destroy(&upper);
+    svo_parts_tree_close(&tree);
+    return status;
+}
+
 static svo_status build_parts(subject *of, const svo_parts *parts)
 {
     char path[128];
@@ -345,6 +372,7 @@ static svo_status build_parts(subject *of, const svo_parts *parts)
     faults_spare(true);
     assert_int_equal(unlink(path), 0);
     faults_spare(false);
+    SVO_I_TRY(read_parts_tree(of, path));
     SVO_I_TRY(svo_parts_shares_begin(parts, 2, &of->message));
     SVO_I_TRY(svo_parts_shares_write(parts, 1, 2, &of->message));
     SVO_I_TRY(svo_parts_shares_write(parts, 0, 2, &of->message));

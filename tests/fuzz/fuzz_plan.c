@@ -14,6 +14,7 @@
 #include "fuzz.h"
 #include "parts/part_file.h"
 #include "svocl/parts.h"
+#include "svocl/parts_tree.h"
 
 /* Of lib/parts/folder.c: a magic, the hash of what follows it, version, fields, length, ... identity and header. */
 #define HASH_AT     8u
@@ -59,6 +60,25 @@ static void check_parts(const svo_parts *parts, const char *out)
     (void)unlink(out);
 }
 
+/* The folder as a tree: refused, or hashed and loaded, or these are refused. */
+static void read_tree(const char *folder)
+{
+    char hash[SVO_HASH_TEXT_BYTES];
+    svo_parts_tree *parts = NULL;
+    svo_parts_tree_info info = SVO_PARTS_TREE_INFO_INIT;
+    svo_tree *tree = NULL;
+    svo_message message = {""};
+    svo_status status = svo_parts_tree_open(folder, &parts, &message);
+    if (status == SVO_OK) {
+        REQUIRE(svo_parts_tree_get_info(parts, &info, &message) == SVO_OK && info.part_count == 0);
+        REQUIRE(svo_parts_tree_hash(parts, SVO_HASH_ALL, hash, &message) == SVO_OK);
+        status = svo_parts_tree_load(parts, NULL, &tree, &message);
+    }
+    REQUIRE(status == SVO_OK || (message.text[0] != '\0' && strchr(message.text, '\n') == NULL));
+    svo_tree_destroy(&tree);
+    svo_parts_tree_close(&parts);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t byte_count)
 {
     static char folder[] = "/tmp/svocl-fuzz-plan-XXXXXX";
@@ -84,6 +104,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t byte_count)
     const svo_status status = svo_parts_open(folder, &parts, &message);
     if (status == SVO_OK) {
         check_parts(parts, out);
+        read_tree(folder);
     } else {
         REQUIRE(status == SVO_FILE_DAMAGED || status == SVO_OUT_OF_HOST_MEMORY);
         REQUIRE(strncmp(message.text, folder, strlen(folder)) == 0 && strchr(message.text, '\n') == NULL);

@@ -15,6 +15,7 @@
 #include "scenes.h"
 #include "support/work_folder.h"
 #include "svocl/io.h"
+#include "svocl/parts.h"
 
 #define PICTURES_MAX 64u
 
@@ -35,6 +36,29 @@ void paged_scene_make(void **state, const char *spec, unsigned depth, uint32_t n
     out->drawn = malloc(PAGED_BYTES);
     assert_non_null(out->expected);
     assert_non_null(out->drawn);
+}
+
+void paged_scene_make_parts(const paged_scene *of, const char *spec, unsigned depth)
+{
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    svo_parts *parts = NULL;
+    svo_message message = {""};
+    scene *made = fixture_scene(spec);
+    options.need = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL;
+    svo_device *device = of->opened.device;
+    svo_status status = svo_parts_create(device, scene_mesh(made), depth, &options, 400000, path_of("parts"), &message);
+    if (status == SVO_OK) {
+        status = svo_parts_open(path_of("parts"), &parts, &message);
+    }
+    assert_true(status != SVO_OK || svo_parts_count(parts) > 4);
+    for (size_t i = 0; status == SVO_OK && i < svo_parts_count(parts); ++i) {
+        status = svo_parts_build(parts, i, device, NULL, NULL, &message);
+    }
+    if (status != SVO_OK) {
+        fail_msg("%s", message.text);
+    }
+    svo_parts_close(&parts);
+    scene_destroy(&made);
 }
 
 void paged_scene_destroy(paged_scene *of)

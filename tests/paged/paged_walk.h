@@ -21,6 +21,8 @@ typedef struct paged_scene {
 /* Builds "scene:..." at a depth and saves it. need: 0 for all that pictures show. */
 void paged_scene_make(void **state, const char *spec, unsigned depth, uint32_t need, paged_scene *out);
 void paged_scene_destroy(paged_scene *of);
+/* Builds the parts of the same tree, with all that pictures show, in the folder path_of("parts"). */
+void paged_scene_make_parts(const paged_scene *of, const char *spec, unsigned depth);
 
 /* Opens the file; fails the test with the library's words. page_levels: 0 for the default. */
 svo_paged *paged_scene_open(const paged_scene *of, uint64_t budget_bytes, uint32_t page_levels);

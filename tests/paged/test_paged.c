@@ -20,6 +20,8 @@
 #include "support/meshes.h"
 #include "support/suite.h"
 #include "svocl/io.h"
+#include "svocl/parts.h"
+#include "svocl/parts_tree.h"
 
 #define DEPTH     7u
 #define VIEWS     6u /* of a flight */
@@ -438,6 +440,79 @@ static void test_marks_that_cannot_be_read(void **state)
     paged_scene_destroy(&scene);
 }
 
+/* ---- folders of parts ---- */
+
+/* The same calls give the same pictures, misses and reads as the stitched file does. */
+static void test_a_folder_of_parts(void **state)
+{
+    static const char spec[] = "statue:4000";
+    paged_scene file, folder;
+    paged_scene_make(state, spec, DEPTH, 0, &file);
+    paged_scene_make_parts(&file, spec, DEPTH);
+    folder = file;
+    folder.name = "parts";
+    folder.drawn = file.expected;
+    const uint64_t whole = paged_scene_whole_bytes(&file, 0);
+    assert_int_equal(paged_scene_whole_bytes(&folder, 0), whole);
+    for (uint64_t budget = whole; budget >= whole / 4; budget -= whole / 4) {
+        svo_paged *of_file = paged_scene_open(&file, budget, 0);
+        svo_paged *of_folder = paged_scene_open(&folder, budget, 0);
+        for (unsigned k = 0; k < 3 * VIEWS; ++k) {
+            const svo_render_options view = paged_view(&file, SVO_VIEW_SHADED, k / 3, VIEWS);
+            paged_draw(&file, of_file, &view);
+            paged_draw(&folder, of_folder, &view);
+            assert_memory_equal(file.drawn, folder.drawn, PAGED_BYTES);
+            const svo_paged_counts a = paged_counts(of_file), b = paged_counts(of_folder);
+            assert_memory_equal(&a, &b, sizeof a);
+            paged_update(&file, of_file);
+            paged_update(&folder, of_folder);
+        }
+        assert_true(paged_counts(of_file).all_read_pages > 0);
+        svo_paged_close(&of_file);
+        svo_paged_close(&of_folder);
+    }
+    paged_scene_destroy(&file);
+}
+
+/* What lies under a node down to a level: the picture of its tree in core. */
+static void test_a_region_of_parts(void **state)
+{
+    static const char spec[] = "statue:4000";
+    paged_scene scene;
+    svo_message message = {""};
+    svo_tree *part = NULL;
+    svo_paged *paged = NULL;
+    svo_parts_tree *tree = NULL;
+    svo_parts_region region = SVO_PARTS_REGION_INIT;
+    svo_paged_options options = SVO_PAGED_OPTIONS_INIT;
+    paged_scene_make(state, spec, DEPTH, 0, &scene);
+    paged_scene_make_parts(&scene, spec, DEPTH);
+    svo_device *device = scene.opened.device;
+    region.level = 1;
+    region.code = 2;
+    region.last_level = DEPTH - 1;
+    options.region = &region;
+    options.page_levels = 2;
+    assert_int_equal(svo_parts_tree_open(path_of("parts"), &tree, &message), SVO_OK);
+    assert_int_equal(svo_parts_tree_load(tree, &region, &part, &message), SVO_OK);
+    assert_int_equal(svo_tree_upload(part, device, NULL), SVO_OK);
+    assert_int_equal(svo_paged_open(device, path_of("parts"), 60000, &options, &paged), SVO_OK);
+    assert_int_equal(paged_info(paged).depth, DEPTH - 2);
+    assert_true(paged_info(paged).page_count > 0);
+    svo_render_options view = paged_view(&scene, SVO_VIEW_NORMAL, 0, 1);
+    assert_int_equal(svo_camera_fit(svo_tree_target(part), 4.0f / 3.0f, &view.camera), SVO_OK);
+    (void)paged_complete(&scene, paged, &view);
+    paged_draw_tree(&scene, part, &view);
+    assert_memory_equal(scene.drawn, scene.expected, PAGED_BYTES);
+    svo_paged_close(&paged);
+    assert_int_equal(svo_paged_open(device, path_of(scene.name), 1 << 20, &options, &paged), SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(svo_device_message(device), "is no folder of parts"));
+    svo_parts_tree_close(&tree);
+    svo_tree_destroy(&part);
+    assert_int_equal(svo_parts_remove(path_of("parts"), &message), SVO_OK);
+    paged_scene_destroy(&scene);
+}
+
 /* ---- arguments ---- */
 
 static void test_arguments(void **state)
@@ -493,6 +568,8 @@ TEST_GROUP(paged)
         cmocka_unit_test(test_budgets),
         cmocka_unit_test(test_updates_with_a_limit),
         cmocka_unit_test(test_marks_that_cannot_be_read),
+        cmocka_unit_test(test_a_folder_of_parts),
+        cmocka_unit_test(test_a_region_of_parts),
         cmocka_unit_test(test_arguments),
     };
     return cmocka_run_group_tests_name("paged", tests, fixture_folder_setup, fixture_folder_teardown);

@@ -158,7 +158,7 @@ static void test_files_that_cannot_be_paged(void **state)
     work_folder_remember("packed.svo");
     expect_refused(&shown, "packed.svo", SVO_UNSUPPORTED, "is compressed, and pages are read from chunks that are not");
     expect_refused(&shown, "missing.svo", SVO_FILE_ERROR, "cannot be read");
-    expect_refused(&shown, "", SVO_FILE_ERROR, "cannot be read"); /* a folder */
+    expect_refused(&shown, "", SVO_FILE_ERROR, "plan: cannot be opened"); /* a folder without parts */
     write_text("text.svo", "not a tree");
     expect_refused(&shown, "text.svo", SVO_FILE_DAMAGED, "not a .svo file");
     paged_scene_destroy(&shown);

@@ -74,7 +74,7 @@ MADE = (
 COPIES = {
     "castle.vox": "model.vox", "walk.vox": "model.vox", "castle.obj": "model.obj", "hall.obj": "model.obj",
     "lost_empire.obj": "model.obj", "sponza.obj": "model.obj", "golden.svo": "model.svo", "large.svo": "model.svo",
-    "scan.las": "cloud.ply",
+    "scan.las": "cloud.ply", "huge.ply": "model.ply", "huge.svo.parts": "model.svo.parts",
 }  # fmt: skip
 CLOUDS = ("voxel_files.md",)
 """Documents whose scan.ply has points; in others it has faces."""
@@ -135,7 +135,8 @@ def fill(program, root, folder):
         if code != 0:
             sys.exit(f"{command}: exit code {code}\n{said}")
     for name, source in COPIES.items():
-        shutil.copy(os.path.join(folder, source), os.path.join(folder, name))
+        copy = shutil.copytree if os.path.isdir(os.path.join(folder, source)) else shutil.copy
+        copy(os.path.join(folder, source), os.path.join(folder, name))
 
 
 def main():

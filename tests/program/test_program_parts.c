@@ -109,6 +109,7 @@ typedef struct exit_row {
 #define BUILD         "$SVOCL parts build b.svo.parts"
 #define STITCH        "$SVOCL parts stitch b.svo.parts"
 #define SHARE         "$SVOCL parts share b.svo.parts --shares 2"
+#define HASH          "$SVOCL hash b.svo.parts"
 #define NO_DEVICE     "OCL_ICD_VENDORS=/nonexistent "
 #define FIRST_PART    "$(ls b.svo.parts/*.part | head -1)"
 
@@ -132,6 +133,11 @@ static const exit_row exit_rows[] = {
     {"cp other.svo.parts/0-0.part " FIRST_PART, STITCH, 75, ".part belongs to plan "},
     {PLANNER_LEASE, STITCH, 75, "b.svo.parts: process 7 on elsewhere plans its parts"},
     {"truncate -s -1 b.svo.parts/*/mesh", STITCH, 1, "/mesh"},
+    {"rm " FIRST_PART, HASH, 75, "is missing"},
+    {"truncate -s -1 " FIRST_PART, HASH, 75, ".part"},
+    {"cp other.svo.parts/0-0.part " FIRST_PART, HASH, 75, ".part belongs to plan "},
+    {"truncate -s -1 b.svo.parts/plan", HASH, 1, "b.svo.parts/plan"},
+    {"truncate -s -1 b.svo.parts/*/mesh", "$SVOCL convert b.svo.parts c.svo", 1, "/mesh"},
     {"rm " FIRST_PART, SHARE, 75, "is missing"},
     {"true", SHARE " --part 0", 75, "a file of 2 shares has not been begun"},
     {SHARE " && truncate -s -1 " FIRST_PART, SHARE " --part 0 && " SHARE " --part 1", 75, ".part"},
@@ -346,6 +352,42 @@ static void mesh_files_are_read_in_blocks(void **state)
     run_well("rm -r a.svo b.svo c.svo facets.stl");
 }
 
+/* A folder that nobody stitched: what is said, written and drawn of it is that of the stitched tree. */
+static void folders_are_trees(void **state)
+{
+    (void)state;
+    build_whole();
+    run_well("$SVOCL parts plan " SCENE " --max-memory 6M -o b.svo -q && $SVOCL parts build b.svo.parts");
+    run_well("test $($SVOCL hash a.svo) = $($SVOCL hash b.svo.parts) &&"
+             " test $($SVOCL hash a.svo --nodes) = $($SVOCL hash b.svo.parts/plan --nodes) &&"
+             " test $($SVOCL hash a.svo --levels 5) = $($SVOCL hash b.svo.parts --levels 5)");
+    cJSON *whole = run_json("$SVOCL info a.svo --json");
+    cJSON *parts = run_json("$SVOCL info b.svo.parts --json");
+    assert_true(number_of(parts, "nodes") == number_of(whole, "nodes"));
+    assert_true(number_of(parts, "list_entries") == number_of(whole, "list_entries"));
+    assert_true(number_of(parts, "parts") > 1);
+    assert_string_equal(text_of(parts, "hash"), text_of(whole, "hash"));
+    cJSON_Delete(whole);
+    cJSON_Delete(parts);
+    run_well(
+        "$SVOCL parts check b.svo.parts | grep -q whole && $SVOCL parts check b.svo.parts --sample 2 | grep -q ^2");
+    run_well("$SVOCL convert b.svo.parts c.svo -q && cmp a.svo c.svo");
+    run_well("$SVOCL convert b.svo.parts c.svo --levels 5 -q && $SVOCL convert a.svo d.svo --levels 5 -q &&"
+             " cmp c.svo d.svo");
+    run_well("part=$(basename " FIRST_PART " .part) && $SVOCL convert b.svo.parts c.svo --region $part -q &&"
+             " test $($SVOCL hash c.svo) = $($SVOCL hash b.svo.parts --region $part)");
+    run_well("$SVOCL render a.svo --paged 200K -q -o a.png --size 64x48 &&"
+             " $SVOCL render b.svo.parts --paged 200K -q -o b.png --size 64x48 && cmp a.png b.png");
+    run_well("$SVOCL render b.svo.parts --paged 200K --levels 5 -q -o b.png --size 64x48 &&"
+             " $SVOCL render d.svo --paged 200K -q -o a.png --size 64x48 && cmp a.png b.png");
+    run_well("$SVOCL trace a.svo --camera auto --size 16x16 -q -o a.csv &&"
+             " $SVOCL trace b.svo.parts --camera auto --size 16x16 -q -o b.csv && cmp a.csv b.csv");
+    run_badly("$SVOCL hash b.svo.parts --region 2-99", 2, "is not LEVEL-CODE");
+    run_badly("$SVOCL hash a.svo --region 1-0", 2, "--region applies to folders of parts");
+    run_badly("$SVOCL hash b.svo.parts --levels 8", 1, "last_level 8");
+    run_well("rm -r a.svo c.svo d.svo b.svo.parts a.png b.png a.csv b.csv");
+}
+
 /* A mesh without a valid triangle leaves no folder; where one cannot be removed, that is said too. */
 static void a_folder_that_stays_is_named(void **state)
 {
@@ -381,8 +423,6 @@ static void wrong_usage_is_refused(void **state)
     run_badly("$SVOCL build scene:knot -d 16 --max-memory 1G -q -o a.svo", 1,
               "nodes are expected at depth 16, above 2^32 - 2");
     run_well("test ! -e a.svo.parts");
-    run_badly("$SVOCL parts plan scene:knot -d 16 --max-memory 1G -q -o a.svo", 1, "nodes are expected");
-    run_well("test ! -e a.svo.parts");
 }
 
 TEST_GROUP(program_parts)
@@ -402,6 +442,7 @@ TEST_GROUP(program_parts)
         IN_FOLDER(what_killed_processes_left_is_removed),
         IN_FOLDER(parts_of_other_trees_are_replaced),
         IN_FOLDER(mesh_files_are_read_in_blocks),
+        IN_FOLDER(folders_are_trees),
         IN_FOLDER(a_folder_that_stays_is_named),
         IN_FOLDER(wrong_usage_is_refused),
     };

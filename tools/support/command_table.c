@@ -38,7 +38,8 @@ static const command commands[] = {
      .groups = BUILDS | OPTION_OUTPUT | OPTION_PARTS_COMMAND | OPTION_TREE_FORM,
      .input_name = "ACTION INPUT",
      .suffixes = ".svo .svc",
-     .summary = "Builds in parts, by any number of processes: ACTION is plan, build, status, share, stitch or remove.",
+     .summary =
+         "Builds in parts, by any number of processes: ACTION is plan, build, status, check, share, stitch or remove.",
      .reads_file = true,
      .examples =
          EXAMPLES("parts plan model.ply -d 12 --max-memory 512M -o model.svo", "parts status model.svo.parts --json",
@@ -48,14 +49,14 @@ static const command commands[] = {
      .groups = OPTION_JSON | OPTION_LEVELS | OPTION_UNFOLDED,
      .input_name = "FILE",
      .needs_input = true,
-     .summary = "Checks a .svo or .svc file or a point cloud and prints what it contains.",
+     .summary = "Checks a .svo or .svc file, parts or a point cloud and prints what they hold.",
      .reads_file = true,
      .examples = EXAMPLES("info model.svo", "info - --json <model.svo", "info scan.las")},
     {.name = "hash",
      .groups = BUILDS | OPTION_VOXELS | OPTION_HASH_COMMAND | OPTION_LEVELS | OPTION_TREE_FORM | OPTION_UNFOLDED,
      .input_name = "INPUT",
      .needs_input = true,
-     .summary = "Prints the hash of the octree of a mesh or voxels, or of a .svo or .svc file.",
+     .summary = "Prints the hash of the octree of a mesh, voxels, a .svo or .svc file or parts.",
      .reads_file = true,
      .examples = EXAMPLES("hash scene:cube -d 9", "hash model.svo --nodes", "hash model.svo --tree-form shared",
                           "hash scene:cube -d 4 --expect 37fb38f4afb5baf0826ecbdd336cad7a")},
@@ -90,7 +91,8 @@ static const command commands[] = {
      .examples =
          EXAMPLES("convert castle.vox castle.svo", "convert model.svo model.vox", "convert model.obj model.vox -d 7",
                   "convert model.svo model.svc --tree-form implied", "convert castle.vox castle.ply --hidden",
-                  "convert walk.vox step.binvox --frame 3", "convert scan.las map.bt --voxel-size 0.1")},
+                  "convert walk.vox step.binvox --frame 3", "convert scan.las map.bt --voxel-size 0.1",
+                  "convert huge.svo.parts corner.svo --region 3-1c --levels 14")},
     {.name = "edit",
      .groups = BUILDS | OPTION_VOXELS | OPTION_OUTPUT | OPTION_EDIT_COMMAND | OPTION_LEVELS | OPTION_TREE_FORM |
                OPTION_UNFOLDED,
@@ -110,15 +112,15 @@ static const command commands[] = {
      .suffixes = ".png .exr .hdr .ppm .y4m",
      .summary = "Renders a mesh, voxels, a .svo or .svc file or a .json scene as a picture.",
      .reads_file = true,
-     .examples =
-         EXAMPLES("render model.svo -o model.png --size 1920x1080", "render model.svo --view steps -o heat.png",
-                  "render scene:atrium -d 9 --view full --lights sun.json -o full.png",
-                  "render scene:atrium --through probes --probes 8,8,8 -o p.png", "render scene.json -o many.png",
-                  "render moving.json --animate --frames 60 -d 8 -o film.png",
-                  "render large.svo --paged 512M -o large.png", "render model.svo -o - | convert - model.jpg",
-                  "render model.svo -o cut.png --background transparent --samples 16",
-                  "render model.svo --view full -o light.exr",
-                  "render model.svo --turntable 120 --format y4m -o - | ffmpeg -i - -pix_fmt yuv420p turn.mp4")},
+     .examples = EXAMPLES(
+         "render model.svo -o model.png --size 1920x1080", "render model.svo --view steps -o heat.png",
+         "render scene:atrium -d 9 --view full --lights sun.json -o full.png",
+         "render scene:atrium --through probes --probes 8,8,8 -o p.png", "render scene.json -o many.png",
+         "render moving.json --animate --frames 60 -d 8 -o film.png", "render large.svo --paged 512M -o large.png",
+         "render huge.svo.parts --paged 64M --levels 12 -o huge.png", "render model.svo -o - | convert - model.jpg",
+         "render model.svo -o cut.png --background transparent --samples 16",
+         "render model.svo --view full -o light.exr",
+         "render model.svo --turntable 120 --format y4m -o - | ffmpeg -i - -pix_fmt yuv420p turn.mp4")},
     {.name = "view",
      .groups = OPTION_DEVICE | OPTION_BUILD | OPTION_VOXELS | OPTION_RENDER_COMMAND | OPTION_LIGHT | OPTION_PROBES |
                OPTION_VIEW_COMMAND | OPTION_TREE_FORM | OPTION_UNFOLDED,
@@ -140,8 +142,8 @@ static const command commands[] = {
                           "export-web hall.obj --eye 2,1.7,0 --at 9,2,0 --view full --lights sun.json -o hall.html",
                           "export-web scene:atrium -d 11 --max-bytes 8000000 -o atrium.html")},
     {.name = "trace",
-     .groups = BUILDS | OPTION_VOXELS | OPTION_OUTPUT | OPTION_PICTURE_SIZE | OPTION_TRACE_COMMAND | OPTION_TREE_FORM |
-               OPTION_UNFOLDED,
+     .groups = BUILDS | OPTION_VOXELS | OPTION_LEVELS | OPTION_OUTPUT | OPTION_PICTURE_SIZE | OPTION_TRACE_COMMAND |
+               OPTION_TREE_FORM | OPTION_UNFOLDED,
      .input_name = "INPUT",
      .needs_input = true,
      .suffixes = ".csv .txt",

@@ -17,6 +17,7 @@
 #include "support/cleanup.h"
 #include "support/options_parse.h"
 #include "support/output.h"
+#include "support/parts_input.h"
 #include "support/session.h"
 
 /* ---- temporary files ---- */
@@ -193,11 +194,17 @@ bool input_is_compact(const program *state)
     return compact_input_is_name(name_of_format(state));
 }
 
+bool input_is_parts(const program *state)
+{
+    const char *name = state->options.input;
+    return !piped_is(&state->piped, name) && strncmp(name, "scene:", 6) != 0 && parts_input_is_name(name);
+}
+
 bool input_is_tree(const program *state)
 {
     const char *name = name_of_format(state);
     const size_t length = strlen(name);
-    return input_is_compact(state) ||
+    return input_is_compact(state) || input_is_parts(state) ||
            (strncmp(name, "scene:", 6) != 0 && length >= 4 && strcasecmp(name + length - 4, ".svo") == 0);
 }
 
@@ -391,10 +398,11 @@ static int check_triangles(program *state, input *opened)
 
 static int refuse_levels(program *state)
 {
-    return state->options.last_level == 0
+    return state->options.last_level == 0 && state->options.region == NULL
                ? PROGRAM_DONE
-               : program_fail(state, PROGRAM_WRONG_USAGE, "--levels applies to .svo files, not to %s",
-                              state->options.input);
+               : program_fail(state, PROGRAM_WRONG_USAGE, "--%s applies to %s, not to %s",
+                              state->options.last_level != 0 ? "levels" : "region",
+                              state->options.last_level != 0 ? ".svo files" : "folders of parts", state->options.input);
 }
 
 /* Takes the grid of --voxel-size for that of --origin, --edge and --depth. */
@@ -488,6 +496,13 @@ int input_load_tree(program *state, svo_tree **out)
                                            .voxels_max = state->options.max_voxels,
                                            .last_level = (uint32_t)state->options.last_level};
     progress_step(state->progress, "reading the tree");
+    if (input_is_parts(state)) {
+        return parts_input_load(state, out);
+    }
+    if (state->options.region != NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--region applies to folders of parts, not to %s",
+                            state->options.input);
+    }
     if (input_is_compact(state)) {
         svo_compact *compact = NULL;
         const int exit_code = input_load_compact(state, &compact);
@@ -503,6 +518,8 @@ int input_measure(program *state, uint64_t *byte_count)
     struct stat status;
     if (piped_is(&state->piped, state->options.input)) {
         *byte_count = state->piped.byte_count;
+    } else if (input_is_parts(state)) {
+        return parts_input_measure(state, byte_count);
     } else if (stat(state->options.input, &status) != 0) {
         return program_fail(state, PROGRAM_FAILED, "%s: %s", state->options.input, strerror(errno));
     } else {

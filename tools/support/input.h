@@ -60,6 +60,8 @@ int input_begin(program *state);
 /* Whether INPUT is a finished tree, judged by its suffix .svo or .svc or, from a pipe, by its bytes. Build options are
    then wrong usage. */
 bool input_is_tree(const program *state);
+/* Whether it is a folder of parts, which counts as a finished tree. */
+bool input_is_parts(const program *state);
 /* Whether that tree is a compact one. */
 bool input_is_compact(const program *state);
 int input_refuse_build_options(program *state);

@@ -155,6 +155,8 @@ typedef struct options {
     uint64_t plan, plan_only, count_first; /* build: flags */
     uint64_t payload_level; /* build */
     uint64_t last_level; /* of a .svo file; 0: all */
+    uint64_t sample; /* parts that are checked; 0: all */
+    const char *region; /* of a folder of parts, LEVEL-CODE; NULL: all */
     bool has_repeat;
     int tree_form; /* 0: as built, else 1 + svo_form; verify: or OPTION_FORM_ALL */
     int directory_step_log2; /* of the implied form; 0: not given */

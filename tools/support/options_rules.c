@@ -632,9 +632,12 @@ static const rule rules[] = {
     {"payload-level", '\0', OPTION_BUILD_COMMAND, "N", read_count, FIELD(payload_level), 0, SVO_DEPTH_MAX, NULL,
      "first level with payload, 0 to 16 (0: all levels)"},
     {"levels", '\0', OPTION_LEVELS, "L", read_count, FIELD(last_level), 1, SVO_DEPTH_MAX, NULL,
-     "read levels 0 to L of a .svo file alone: a tree of depth L (all)"},
+     "read levels 0 to L of a .svo file or of a folder of parts alone: a tree of depth L (all)"},
+    {"region", '\0', OPTION_LEVELS, "NODE", read_text, FIELD(region), 0, 0, NULL,
+     "read what lies under a node of a folder of parts alone, LEVEL-CODE as parts are named (all)"},
     {"paged", '\0', OPTION_PAGED, "BYTES", read_bytes, FIELD(paged), 1, UINT64_MAX, NULL,
-     "draw a .svo file with so much of it on the device: 65536, 512MiB, 4GB; the rest is read as rays need it (all)"},
+     "draw a .svo file or parts with so much of it on the device: 65536, 512MiB, 4GB; the rest is read as rays need it "
+     "(all)"},
     {"max-memory", '\0', OPTION_BUILD_COMMAND | OPTION_PARTS_COMMAND, "BYTES", read_bytes, FIELD(max_memory), 0,
      UINT64_MAX, NULL,
      "build in parts that take at most so much memory each: 65536, 512MiB, 4GB (build: in one piece); of point "
@@ -648,6 +651,8 @@ static const rule rules[] = {
      "are begun)"},
     {"shares", '\0', OPTION_PARTS_COMMAND, "N", read_count, FIELD(shares), 1, 65536, NULL,
      "parts share, stitch: how many shares of the file are written side by side (stitch: none, it writes all)"},
+    {"sample", '\0', OPTION_PARTS_COMMAND, "N", read_count, FIELD(sample), 1, UINT32_MAX, NULL,
+     "parts check: how many parts are checked, spread over the tree (all)"},
     {"max-voxels", '\0', OPTION_UNFOLDED, "N", read_count, FIELD(max_voxels), 1, UINT32_MAX, NULL,
      "most voxels that a voxel file or a tree may unfold to, those of all levels (what memory holds)"},
     {"solid", '\0', OPTION_SOLID, "RULE", read_choice, FIELD(solid), 0, 0, solids,

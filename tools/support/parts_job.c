@@ -44,26 +44,6 @@ bool parts_folder_has_plan(const char *folder)
     return is_there;
 }
 
-int parts_fail(program *state, svo_status status, const char *message)
-{
-    switch (status) {
-    case SVO_OUT_OF_DEVICE_MEMORY:
-    case SVO_OUT_OF_HOST_MEMORY:
-    case SVO_NO_DEVICE:
-    case SVO_COMPILE_FAILED:
-    case SVO_DEVICE_UNRELIABLE:
-    case SVO_CL_ERROR:
-    case SVO_GL_ERROR:
-    case SVO_UNAVAILABLE:
-        return program_fail_status(state, PROGRAM_TRY_AGAIN, message);
-    case SVO_CAPACITY_EXCEEDED: /* the limit of --max-memory, or the nodes of a tree */
-        return program_fail_status(state, strstr(message, "max_bytes") != NULL ? PROGRAM_WRONG_USAGE : PROGRAM_FAILED,
-                                   message);
-    default:
-        return program_fail_library(state, message);
-    }
-}
-
 int parts_check_builder(program *state)
 {
     const int builder = state->options.builder;
@@ -188,22 +168,10 @@ int parts_build(program *state, session *opened, const svo_parts *parts, size_t 
     return status == SVO_OK ? PROGRAM_DONE : parts_fail(state, status, message.text);
 }
 
-/* Whether a part is missing or damaged, which building it mends. */
-static bool lacks_parts(const svo_parts *parts)
-{
-    int is_built = 1;
-    for (size_t i = 0; i < svo_parts_count(parts) && is_built != 0; ++i) {
-        if (svo_parts_is_built(parts, i, &is_built, NULL) != SVO_OK) {
-            return false;
-        }
-    }
-    return is_built == 0;
-}
-
 /* The exit code of a step of stitching. */
 static int end_stitch(program *state, const svo_parts *parts, svo_status status, const svo_message *message)
 {
-    if ((status == SVO_FILE_ERROR || status == SVO_FILE_DAMAGED) && lacks_parts(parts)) {
+    if ((status == SVO_FILE_ERROR || status == SVO_FILE_DAMAGED) && parts_lack(parts)) {
         return program_fail_status(state, PROGRAM_TRY_AGAIN, message->text);
     }
     return status == SVO_OK ? PROGRAM_DONE : parts_fail(state, status, message->text);

@@ -4,6 +4,7 @@
 #define SVOCL_TOOLS_SUPPORT_PARTS_JOB_H
 
 #include "support/input.h"
+#include "support/parts_input.h"
 #include "support/session.h"
 #include "svocl/parts.h"
 
@@ -12,10 +13,6 @@ char *parts_folder_of(const char *path);
 bool parts_folder_exists(const char *folder);
 /* Runs that ended before they had planned leave a folder without a plan. */
 bool parts_folder_has_plan(const char *folder);
-
-/* program_fail with a library message: PROGRAM_TRY_AGAIN after what may pass, such as a failure of the device, of
-   memory or of space, or another's lease. */
-int parts_fail(program *state, svo_status status, const char *message);
 
 /* Refuses --builder where it is not the one that makes parts. Returns the exit code. */
 int parts_check_builder(program *state);

@@ -19,6 +19,7 @@ typedef struct parts_run {
     svo_parts *parts;
     parts_mesh mesh;
     double plan_ms, build_ms, stitch_ms;
+    bool is_too_large; /* for a file */
 } parts_run;
 
 static int check_options(program *state)
@@ -72,13 +73,40 @@ static int build_all(program *state, parts_run *run)
     return exit_code;
 }
 
+/* A file has at most so many nodes. */
+#define FILE_NODES_MAX 4294967294.0
+
+/* A tree that cannot be stitched is refused before its parts are built. */
+static int check_nodes(program *state, const parts_run *run)
+{
+    svo_part_header header = SVO_PART_HEADER_INIT;
+    svo_message message;
+    if (svo_parts_get_header(run->parts, &header, &message) != SVO_OK) {
+        return program_fail_library(state, message.text);
+    }
+    return header.expected_nodes <= FILE_NODES_MAX
+               ? PROGRAM_DONE
+               : program_fail(
+                     state, PROGRAM_FAILED,
+                     "%s: about %.0f nodes are expected at depth %u, above 2^32 - 2 of a .svo file; svocl parts "
+                     "plan and parts build make a folder, which is a tree in itself",
+                     state->options.input, header.expected_nodes, header.depth);
+}
+
 /* Plans the parts and opens their folder. */
 static int plan_all(program *state, parts_run *run)
 {
     const double start_ms = input_now_ms();
     int exit_code = parts_plan(state, &run->opened, run->folder, &run->mesh);
     run->plan_ms = input_now_ms() - start_ms;
-    return exit_code == PROGRAM_DONE ? parts_open(state, run->folder, &run->parts) : exit_code;
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = parts_open(state, run->folder, &run->parts);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = check_nodes(state, run);
+        run->is_too_large = exit_code != PROGRAM_DONE;
+    }
+    return exit_code;
 }
 
 static int stitch_all(program *state, parts_run *run)
@@ -175,7 +203,7 @@ int build_parts(program *state)
     program_begin_progress(state, state->options.tree_form != 0 ? 6 : 4);
     const bool is_new = !parts_folder_exists(run.folder);
     exit_code = run_all(state, &run);
-    if (exit_code == PROGRAM_WRONG_USAGE && is_new && parts_folder_exists(run.folder)) {
+    if ((exit_code == PROGRAM_WRONG_USAGE || run.is_too_large) && is_new && parts_folder_exists(run.folder)) {
         (void)svo_parts_remove(run.folder, NULL); /* parts of a limit that is too small serve no other run */
     }
     progress_destroy(&state->progress);

@@ -9,6 +9,7 @@
 #include "support/json.h"
 #include "support/options_parse.h"
 #include "support/output.h"
+#include "support/parts_input.h"
 #include "support/picture.h"
 #include "support/table.h"
 #include "support/tree_form.h"
@@ -28,6 +29,7 @@ typedef struct conversion {
     svo_voxels_save_info written; /* format AUTO: a tree */
     svo_tree_info tree; /* where one was written */
     bool is_copy; /* a .vox file that is written again as it is: list has no voxels */
+    bool is_region; /* of parts, whose bytes go to the file without a tree in memory */
 } conversion;
 
 /* ---- what does not apply ---- */
@@ -226,6 +228,41 @@ static int write_file(program *state, conversion *done)
         return program_fail(state, PROGRAM_FAILED, "%s: %s", path, program_words(message.text));
     }
     return output_commit(state, &file);
+}
+
+/* Whether parts become a .svo file as they are. */
+static bool wants_region(const program *state, const conversion *done)
+{
+    return input_is_parts(state) && done->to == OUTPUT_TREE && !state->options.compress;
+}
+
+static int write_region(program *state, conversion *done)
+{
+    output_file file;
+    svo_parts_region region;
+    svo_parts_tree *tree = NULL;
+    svo_message message = {""};
+    done->is_region = true;
+    done->tree = (svo_tree_info)SVO_TREE_INFO_INIT;
+    progress_step(state->progress, "writing the tree");
+    int exit_code = parts_input_region(state, &region);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = parts_input_open(state, &tree);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = output_open(state, state->options.output_path, &file);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        const svo_status status = svo_parts_tree_save(tree, &region, output_sink(&file), &done->tree, &message);
+        if (status != SVO_OK && file.error == 0) { /* else output_commit reports it */
+            output_abandon(&file);
+            exit_code = parts_input_fail(state, status, &message);
+        } else {
+            exit_code = output_commit(state, &file);
+        }
+    }
+    svo_parts_tree_close(&tree);
+    return exit_code;
 }
 
 /* Whether a .vox file becomes a .vox file without a choice of its parts: then it keeps all that it holds. */
@@ -488,11 +525,14 @@ int command_convert(program *state)
     }
     if (wants_copy(state, &done)) {
         exit_code = copy_file(state, &done);
+    } else if (wants_region(state, &done)) {
+        exit_code = write_region(state, &done);
     }
-    if (exit_code == PROGRAM_DONE && !done.is_copy) {
+    const bool is_written = done.is_copy || done.is_region;
+    if (exit_code == PROGRAM_DONE && !is_written) {
         exit_code = read_source(state, &done);
     }
-    if (exit_code == PROGRAM_DONE && !done.is_copy) {
+    if (exit_code == PROGRAM_DONE && !is_written) {
         exit_code = done.to == OUTPUT_VOXELS ? write_file(state, &done) : write_tree(state, &done);
     }
     if (exit_code == PROGRAM_DONE) {

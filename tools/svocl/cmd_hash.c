@@ -6,6 +6,7 @@
 
 #include "support/job.h"
 #include "support/options_parse.h"
+#include "support/parts_input.h"
 #include "support/tree_form.h"
 #include "svocl/commands.h"
 #include "svocl/probes.h"
@@ -31,15 +32,8 @@ static int print_digits(program *state, const char *hash)
 }
 
 /* done: NULL for a hashed file, where nothing was built. */
-static int print_hash(program *state, const svo_tree *tree, const job *done)
+static int print_hashes(program *state, const char *asked, const char *nodes, const job *done, uint32_t depth)
 {
-    char all[SVO_HASH_TEXT_BYTES];
-    char nodes[SVO_HASH_TEXT_BYTES];
-    progress_step(state->progress, "hashing");
-    if (svo_tree_hash(tree, SVO_HASH_ALL, all) != SVO_OK || svo_tree_hash(tree, SVO_HASH_NODES, nodes) != SVO_OK) {
-        return program_fail(state, PROGRAM_FAILED, "%s: the tree has no host arrays to hash", state->options.input);
-    }
-    const char *asked = state->options.nodes ? nodes : all;
     if (!state->options.json) {
         return print_digits(state, asked);
     }
@@ -51,12 +45,23 @@ static int print_hash(program *state, const svo_tree *tree, const job *done)
     if (done != NULL) {
         job_add_what_ran(document, done);
     } else {
-        svo_tree_info info = SVO_TREE_INFO_INIT;
-        svo_tree_get_info(tree, &info);
-        json_add_count(document, "depth", info.depth);
+        json_add_count(document, "depth", depth);
     }
     const int exit_code = json_print(state, document);
     return exit_code == PROGRAM_DONE ? check_expected(state, asked) : exit_code;
+}
+
+static int print_hash(program *state, const svo_tree *tree, const job *done)
+{
+    char all[SVO_HASH_TEXT_BYTES];
+    char nodes[SVO_HASH_TEXT_BYTES];
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    progress_step(state->progress, "hashing");
+    if (svo_tree_hash(tree, SVO_HASH_ALL, all) != SVO_OK || svo_tree_hash(tree, SVO_HASH_NODES, nodes) != SVO_OK) {
+        return program_fail(state, PROGRAM_FAILED, "%s: the tree has no host arrays to hash", state->options.input);
+    }
+    svo_tree_get_info(tree, &info);
+    return print_hashes(state, state->options.nodes ? nodes : all, nodes, done, info.depth);
 }
 
 /* The hash of something in a tree, and with --json what is known of it. */
@@ -208,6 +213,33 @@ static int hash_form(program *state)
 
 /* ---- trees ---- */
 
+/* A whole folder of parts, which may be larger than any tree in memory. */
+static int hash_parts(program *state)
+{
+    char all[SVO_HASH_TEXT_BYTES];
+    char nodes[SVO_HASH_TEXT_BYTES];
+    const bool needs_nodes = state->options.nodes || state->options.json;
+    const bool needs_all = !state->options.nodes;
+    svo_parts_tree *tree = NULL;
+    svo_parts_tree_info info = SVO_PARTS_TREE_INFO_INIT;
+    svo_message message = {""};
+    progress_step(state->progress, "hashing");
+    int exit_code = parts_input_open(state, &tree);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    svo_status status = svo_parts_tree_get_info(tree, &info, &message);
+    if (status == SVO_OK && needs_all) {
+        status = svo_parts_tree_hash(tree, SVO_HASH_ALL, all, &message);
+    }
+    if (status == SVO_OK && needs_nodes) {
+        status = svo_parts_tree_hash(tree, SVO_HASH_NODES, nodes, &message);
+    }
+    svo_parts_tree_close(&tree);
+    return status == SVO_OK ? print_hashes(state, needs_all ? all : nodes, nodes, NULL, info.tree.depth)
+                            : parts_input_fail(state, status, &message);
+}
+
 static int hash_tree_file(program *state)
 {
     int exit_code = input_refuse_device_options(state);
@@ -216,6 +248,9 @@ static int hash_tree_file(program *state)
     }
     svo_tree *tree = NULL;
     program_begin_progress(state, 2);
+    if (input_is_parts(state) && state->options.region == NULL && state->options.last_level == 0) {
+        return hash_parts(state);
+    }
     exit_code = input_load_tree(state, &tree);
     if (exit_code == PROGRAM_DONE) {
         exit_code = print_hash(state, tree, NULL);

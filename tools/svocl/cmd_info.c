@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl info: prints what a .svo or .svc file, or a point cloud, contains. Loading checks every length, checksum and
-   index. */
+/* svocl info: prints what a .svo or .svc file, a folder of parts, or a point cloud, contains. Loading checks every
+   length, checksum and index; the hash of a folder every checksum. */
 #include <inttypes.h>
+#include <string.h>
 
 #include "support/input.h"
 #include "support/json.h"
+#include "support/parts_input.h"
 #include "support/table.h"
 #include "support/tree_form.h"
 #include "svocl/commands.h"
@@ -12,6 +14,9 @@
 typedef struct file_facts {
     svo_compact *compact; /* of a .svc file, whose expanded tree the rest describes */
     svo_tree_info info;
+    uint64_t node_count, leaf_count, list_count; /* which info has too, unless there are more than it can have */
+    uint64_t level_nodes[SVO_LEVELS_MAX];
+    uint64_t part_count; /* of a folder of parts; 0: another tree */
     uint64_t file_bytes;
     char hash[SVO_HASH_TEXT_BYTES];
     char nodes_hash[SVO_HASH_TEXT_BYTES];
@@ -55,13 +60,15 @@ static cJSON *to_json(const program *state, const file_facts *facts)
     json_add_count(document, "triangles", info->triangles);
     json_add_count(document, "refused_triangles", info->refused_triangles);
     json_add_count(document, "fragments", info->fragments);
-    json_add_count(document, "nodes", info->node_count);
-    json_add_count(document, "leaves", info->leaf_count);
-    json_add_count(document, "list_entries", info->list_count);
+    json_add_count(document, "nodes", facts->node_count);
+    json_add_count(document, "leaves", facts->leaf_count);
+    json_add_count(document, "list_entries", facts->list_count);
+    if (facts->part_count > 0) {
+        json_add_count(document, "parts", facts->part_count);
+    }
     cJSON *levels = cJSON_AddArrayToObject(document, "levels");
     for (uint32_t level = 0; level <= info->depth; ++level) {
-        const uint32_t nodes = info->level_begin[level + 1] - info->level_begin[level];
-        cJSON_AddItemToArray(levels, cJSON_CreateNumber((double)nodes));
+        cJSON_AddItemToArray(levels, cJSON_CreateNumber((double)facts->level_nodes[level]));
     }
     json_add_text(document, "hash", facts->hash);
     json_add_text(document, "nodes_hash", facts->nodes_hash);
@@ -78,6 +85,10 @@ static void print_header(const program *state, const file_facts *facts)
     table *rows = table_create("ll");
     table_cell(rows, "file");
     table_cell(rows, "%s, checksums good", figure_bytes(facts->file_bytes).text);
+    if (facts->part_count > 0) {
+        table_cell(rows, "parts");
+        table_cell(rows, "%s", figure_count(facts->part_count).text);
+    }
     if (facts->compact != NULL) {
         tree_form_add_rows(rows, facts->compact);
     }
@@ -118,24 +129,67 @@ static void print_header(const program *state, const file_facts *facts)
     table_print(rows);
 }
 
-static void print_levels(const svo_tree_info *info)
+static void print_levels(const file_facts *facts)
 {
     table_gap();
     table_heading("levels");
     table *rows = table_create("rr");
-    for (uint32_t level = 0; level <= info->depth; ++level) {
+    for (uint32_t level = 0; level <= facts->info.depth; ++level) {
         table_cell(rows, "%u", level);
-        table_cell(rows, "%s", figure_count(info->level_begin[level + 1] - info->level_begin[level]).text);
+        table_cell(rows, "%s", figure_count(facts->level_nodes[level]).text);
     }
     table_cell(rows, "all");
-    table_cell(rows, "%s", figure_count(info->node_count).text);
+    table_cell(rows, "%s", figure_count(facts->node_count).text);
     table_print(rows);
+}
+
+/* Counts and hashes of a whole folder of parts, which no tree in memory may hold. */
+static int read_parts(program *state, file_facts *facts)
+{
+    svo_parts_tree *tree = NULL;
+    svo_parts_tree_info info = SVO_PARTS_TREE_INFO_INIT;
+    svo_message message = {""};
+    progress_step(state->progress, "reading the parts");
+    const int exit_code = parts_input_open(state, &tree);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    svo_status status = svo_parts_tree_get_info(tree, &info, &message);
+    if (status == SVO_OK) {
+        status = svo_parts_tree_hash(tree, SVO_HASH_ALL, facts->hash, &message);
+    }
+    if (status == SVO_OK) {
+        status = svo_parts_tree_hash(tree, SVO_HASH_NODES, facts->nodes_hash, &message);
+    }
+    svo_parts_tree_close(&tree);
+    facts->info = info.tree;
+    facts->node_count = info.node_count;
+    facts->leaf_count = info.leaf_count;
+    facts->list_count = info.list_count;
+    facts->part_count = info.part_count;
+    facts->file_bytes = info.file_bytes;
+    memcpy(facts->level_nodes, info.level_nodes, sizeof facts->level_nodes);
+    return status == SVO_OK ? PROGRAM_DONE : parts_input_fail(state, status, &message);
+}
+
+static void count_nodes(file_facts *facts)
+{
+    const svo_tree_info *info = &facts->info;
+    facts->node_count = info->node_count;
+    facts->leaf_count = info->leaf_count;
+    facts->list_count = info->list_count;
+    for (uint32_t level = 0; level <= info->depth; ++level) {
+        facts->level_nodes[level] = info->level_begin[level + 1] - info->level_begin[level];
+    }
 }
 
 /* Reads what INPUT is, and the tree that a compact one expands to. */
 static int read_facts(program *state, file_facts *facts)
 {
     svo_tree *tree = NULL;
+    if (input_is_parts(state) && state->options.region == NULL && state->options.last_level == 0) {
+        return read_parts(state, facts);
+    }
     int exit_code = input_load_tree(state, &tree);
     if (exit_code == PROGRAM_DONE && input_is_compact(state)) {
         exit_code = input_load_compact(state, &facts->compact);
@@ -143,6 +197,7 @@ static int read_facts(program *state, file_facts *facts)
     if (exit_code == PROGRAM_DONE) {
         facts->info = (svo_tree_info)SVO_TREE_INFO_INIT;
         svo_tree_get_info(tree, &facts->info);
+        count_nodes(facts);
         exit_code = input_measure(state, &facts->file_bytes);
     }
     if (exit_code == PROGRAM_DONE && (svo_tree_hash(tree, SVO_HASH_ALL, facts->hash) != SVO_OK ||
@@ -189,7 +244,7 @@ int command_info(program *state)
         exit_code = json_print(state, to_json(state, &facts));
     } else if (exit_code == PROGRAM_DONE) {
         print_header(state, &facts);
-        print_levels(&facts.info);
+        print_levels(&facts);
     }
     svo_compact_destroy(&facts.compact);
     return exit_code;

@@ -29,7 +29,7 @@ static int take_only(program *state, uint64_t groups, const char *const names[])
 /* Parts are planned without a front end. */
 static int check_plan(program *state)
 {
-    static const char *const of_builds[] = {"part", "shares", NULL};
+    static const char *const of_builds[] = {"part", "shares", "sample", NULL};
     static const char where[] = "to parts plan";
     if (options_refuse(state, of_builds, where) != PROGRAM_DONE ||
         options_refuse_groups(state, OPTION_METHODS | OPTION_TREE_FORM, where) != PROGRAM_DONE) {
@@ -251,6 +251,26 @@ static int stitch(program *state, const svo_parts *parts)
     return exit_code;
 }
 
+/* Some of the parts, or all: every byte, and whether masks and levels agree. */
+static int check(program *state, const svo_parts *parts)
+{
+    svo_parts_tree *tree = NULL;
+    svo_message message = {""};
+    uint64_t checked = 0;
+    (void)parts;
+    const int exit_code = parts_input_open(state, &tree);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    const svo_status status = svo_parts_tree_check(tree, state->options.sample, 0, &checked, &message);
+    svo_parts_tree_close(&tree);
+    if (status != SVO_OK) {
+        return parts_input_fail(state, status, &message);
+    }
+    printf("%" PRIu64 " parts are whole\n", checked);
+    return PROGRAM_DONE;
+}
+
 static int remove_folder(program *state)
 {
     static const char *const none[] = {NULL};
@@ -271,6 +291,7 @@ static const struct {
     bool holds; /* a lease of the folder, so that nobody plans meanwhile */
 } actions[] = {{"build", build_parts_of, OPTION_DEVICE | OPTION_METHODS, {"part", "max-memory", NULL}, true},
                {"status", status, OPTION_JSON, {NULL}, false},
+               {"check", check, 0, {"sample", NULL}, false},
                {"share", share, 0, {"shares", "part", NULL}, true},
                {"stitch", stitch, OPTION_OUTPUT | OPTION_TREE_FORM | OPTION_DEVICE, {"shares", NULL}, true}};
 
@@ -310,6 +331,6 @@ int command_parts(program *state)
             return exit_code == PROGRAM_DONE ? run_action(state, actions[i].run, actions[i].holds) : exit_code;
         }
     }
-    return program_fail(state, PROGRAM_WRONG_USAGE, "ACTION '%s' is none of plan, build, status, share, stitch, remove",
-                        action);
+    return program_fail(state, PROGRAM_WRONG_USAGE,
+                        "ACTION '%s' is none of plan, build, status, check, share, stitch, remove", action);
 }

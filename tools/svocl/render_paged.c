@@ -3,9 +3,11 @@
 #include "svocl/render.h"
 
 #include <inttypes.h>
+#include <stdio.h>
 
 #include "support/input.h"
 #include "support/json.h"
+#include "support/parts_input.h"
 #include "support/picture.h"
 #include "support/session.h"
 #include "support/table.h"
@@ -16,25 +18,31 @@ typedef struct paged_render {
     program *state;
     session opened;
     svo_paged *paged;
+    svo_parts_region region; /* of a folder of parts */
     svo_paged_info info;
     svo_paged_counts counts;
     svo_render_options asked;
     double render_ms; /* of all pictures and updates */
 } paged_render;
 
-static int fail_library(const paged_render *work)
+static int fail_library(const paged_render *work, svo_status status)
 {
-    return program_fail_library(work->state, svo_device_message(work->opened.device));
+    svo_message message;
+    (void)snprintf(message.text, sizeof message.text, "%s", svo_device_message(work->opened.device));
+    return input_is_parts(work->state) ? parts_input_fail(work->state, status, &message)
+                                       : program_fail_library(work->state, message.text);
 }
 
 static int check(program *state)
 {
     const options *given = &state->options;
     if (!input_is_tree(state) || input_is_compact(state) || state->piped.name != NULL) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--paged reads a .svo file, not %s", given->input);
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--paged reads a .svo file or a folder of parts, not %s",
+                            given->input);
     }
-    if (given->last_level != 0) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--levels does not apply with --paged");
+    if ((given->last_level != 0 || given->region != NULL) && !input_is_parts(state)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s with --paged applies to folders of parts alone",
+                            given->region != NULL ? "region" : "levels");
     }
     if (given->view >= (int)SVO_VIEW_TRIANGLES || given->through != 0 ||
         (given->given_groups & ((unsigned)OPTION_LIGHT | (unsigned)OPTION_PROBES)) != 0) {
@@ -44,16 +52,36 @@ static int check(program *state)
     return input_refuse_build_options(state);
 }
 
+/* The upper levels of what is drawn. */
+static int load_coarse(const paged_render *work, svo_tree **coarse)
+{
+    program *state = work->state;
+    const uint32_t levels = work->info.depth < SVO_FRAME_LEVEL_MAX ? work->info.depth : SVO_FRAME_LEVEL_MAX;
+    const svo_load_options load_options = {.struct_size = sizeof load_options, .last_level = levels};
+    svo_message message = {""};
+    if (!input_is_parts(state)) {
+        return svo_tree_load(svo_from_path(state->options.input), &load_options, coarse, &message) == SVO_OK
+                   ? PROGRAM_DONE
+                   : program_fail_library(state, message.text);
+    }
+    svo_parts_tree *tree = NULL;
+    svo_parts_region region = work->region;
+    region.last_level = region.level + levels;
+    int exit_code = parts_input_open(state, &tree);
+    if (exit_code == PROGRAM_DONE) {
+        const svo_status status = svo_parts_tree_load(tree, &region, coarse, &message);
+        exit_code = status == SVO_OK ? PROGRAM_DONE : parts_input_fail(state, status, &message);
+    }
+    svo_parts_tree_close(&tree);
+    return exit_code;
+}
+
 static int place_camera(paged_render *work)
 {
-    const char *path = work->state->options.input;
-    const svo_load_options load_options = {.struct_size = sizeof load_options,
-                                           .last_level = work->info.depth < SVO_FRAME_LEVEL_MAX ? work->info.depth
-                                                                                                : SVO_FRAME_LEVEL_MAX};
-    svo_message message = {""};
     svo_tree *coarse = NULL;
-    if (svo_tree_load(svo_from_path(path), &load_options, &coarse, &message) != SVO_OK) {
-        return program_fail_library(work->state, message.text);
+    const int loaded = load_coarse(work, &coarse);
+    if (loaded != PROGRAM_DONE) {
+        return loaded;
     }
     const viewpoint_subject shown = {.target = svo_tree_target(coarse), .aspect = viewpoint_aspect(work->state)};
     const int exit_code = viewpoint_place(work->state, &shown, &work->asked.camera);
@@ -74,8 +102,12 @@ static int draw(void *user, const svo_camera *camera, const svo_picture_output *
     asked.camera = *camera;
     asked.output = *output;
     do {
-        if (svo_paged_update(work->paged) != SVO_OK || svo_paged_render(work->paged, &asked, pixels) != SVO_OK) {
-            return fail_library(work);
+        svo_status status = svo_paged_update(work->paged);
+        if (status == SVO_OK) {
+            status = svo_paged_render(work->paged, &asked, pixels);
+        }
+        if (status != SVO_OK) {
+            return fail_library(work, status);
         }
         (void)svo_paged_get_counts(work->paged, &work->counts);
     } while (may_improve(work));
@@ -114,11 +146,18 @@ static int report(const paged_render *work)
 static int render(paged_render *work)
 {
     const options *given = &work->state->options;
-    if (svo_paged_open(work->opened.device, given->input, given->paged, NULL, &work->paged) != SVO_OK) {
-        return fail_library(work);
+    svo_paged_options asked = SVO_PAGED_OPTIONS_INIT;
+    int exit_code = parts_input_region(work->state, &work->region);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    asked.region = input_is_parts(work->state) ? &work->region : NULL;
+    const svo_status status = svo_paged_open(work->opened.device, given->input, given->paged, &asked, &work->paged);
+    if (status != SVO_OK) {
+        return fail_library(work, status);
     }
     (void)svo_paged_get_info(work->paged, &work->info);
-    int exit_code = place_camera(work);
+    exit_code = place_camera(work);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }

@@ -89,7 +89,7 @@ class Parts(Handle):
             need, coverage, weights, payload_level, origin, edge, drop_alpha: see Device.plan.
 
         Raises:
-            CapacityExceededError: the tree has too many nodes, or max_bytes is too small for any part.
+            CapacityExceededError: max_bytes is too small for any part.
             UnavailableError: another process plans, builds or stitches the parts of the folder.
             FileError, and what Device.plan raises.
         """
