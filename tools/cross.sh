@@ -126,7 +126,7 @@ readonly cross_arm=aarch64-linux-gnu
 readonly cross_arm64_packages=(libc6-dev libstdc++6 ocl-icd-opencl-dev opencl-headers libassimp-dev libfast-float-dev
     libstb-dev libzip-dev libexpat1-dev libxxhash-dev libzstd-dev libcjson-dev zlib1g-dev libgmp-dev libcmocka-dev)
 # Tests that need no OpenCL device, take seconds there, and start no program, which the kernel would not hand to QEMU.
-readonly cross_arm64_tests=(test_core_host test_file test_points test_oracle)
+readonly cross_arm64_tests=(test_core_host test_file test_points)
 
 # apt-get on package lists, a cache and a list of installed packages of its own, so that it needs no root and changes
 # nothing of this machine.
