@@ -20,11 +20,19 @@ endfunction()
 
 # svocl_limit_exports(target list version): the linker's version script for a shared library. Symbols have a version of
 # their own, so that one process can load two versions of svocl. Those of other libraries of svocl, svo_i_, stand apart.
+# On Windows it is a module definition file, which knows no versions.
 function(svocl_limit_exports target list version)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${list})
+  if(WIN32)
+    file(STRINGS ${list} names REGEX "^svo_")
+    list(JOIN names "\n  " names)
+    set(definition ${CMAKE_CURRENT_BINARY_DIR}/${target}.def)
+    file(CONFIGURE OUTPUT ${definition} CONTENT "EXPORTS\n  ${names}\n" @ONLY)
+    target_sources(${target} PRIVATE ${definition})
+  endif()
   if(NOT CMAKE_SYSTEM_NAME STREQUAL "Linux")
     return()
   endif()
-  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${list})
   file(STRINGS ${list} public REGEX "^svo_")
   set(internal ${public})
   list(FILTER public EXCLUDE REGEX "^svo_i_")

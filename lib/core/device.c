@@ -3,13 +3,11 @@
  * The device handle: what it asks of an OpenCL device, its limits, messages, buffers, their budget, and its own queue.
  * Buffers count by their destructor callbacks, which a driver may call on any thread.
  */
-#define _POSIX_C_SOURCE 200809L
 #include "core/device.h"
 
 #include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
 #include "core/memory.h"
 #include "core/opencl.h"
@@ -118,11 +116,10 @@ static svo_i_budget_answer ask_budget(const svo_device *device, uint64_t bytes)
 
 svo_i_budget_answer svo_i_device_budget(const svo_device *device, uint64_t bytes)
 {
-    const struct timespec millisecond = {.tv_nsec = 1000000};
     svo_i_budget_answer answer = ask_budget(device, bytes);
     const bool may_fit = answer.held_bytes > 0 && bytes <= answer.max_bytes;
     for (unsigned i = 0; !answer.fits && i < DESTROY_WAITS && may_fit; ++i) {
-        nanosleep(&millisecond, NULL);
+        svo_i_system_sleep_ms(1);
         answer = ask_budget(device, bytes);
     }
     return answer;

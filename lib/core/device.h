@@ -4,7 +4,8 @@
  *
  * The files of this room:
  *
- *   message        messages, the two ways to pass a failure on, checked sizes, the clock
+ *   system         what the operating system is asked for: the clock, memory, processors, files
+ *   message        messages, the two ways to pass a failure on, checked sizes
  *   struct_size    public structs that may grow
  *   limits         what the process may have of memory, and has
  *   memory         host memory, and lists of what handles own
@@ -98,8 +99,7 @@ struct svo_device {
 SVO_I_SHARED_BEGIN
 
 /* Sets the device's message and returns status. device: NULL allowed. */
-svo_status svo_i_device_fail(svo_device *device, svo_status status, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+svo_status svo_i_device_fail(svo_device *device, svo_status status, const char *format, ...) SVO_I_FORMAT(3, 4);
 /* svo_i_fail_cl into the device's message. device: NULL allowed. */
 svo_status svo_i_device_fail_cl(svo_device *device, const char *function, const char *call, cl_int error);
 

@@ -7,7 +7,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
-#include <unistd.h>
 
 #include "core/device.h"
 #include "core/opencl.h"
@@ -174,8 +173,7 @@ static svo_status fail_without_platforms(svo_message *message)
 /* Refuses to open devices where address space is too short for the threads of CPUs. */
 static svo_status check_opening(svo_message *message)
 {
-    const long online = sysconf(_SC_NPROCESSORS_ONLN);
-    const uint64_t needed_bytes = OPENING_BYTES + (online > 0 ? (uint64_t)online : 1) * STACK_BYTES;
+    const uint64_t needed_bytes = OPENING_BYTES + svo_i_system_processors() * STACK_BYTES;
     const svo_i_limit limit = svo_i_limit_read(SVO_I_LIMIT_SPACE);
     return svo_i_limit_left(&limit) >= needed_bytes
                ? SVO_OK

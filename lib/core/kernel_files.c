@@ -14,7 +14,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,6 +25,7 @@
 
 #include "core/opencl.h"
 #include "core/program.h"
+#include "core/system.h"
 
 #define SAVE "svo_device_save_kernels"
 #define LOAD "svo_device_load_kernels"
@@ -191,25 +191,12 @@ static bool is_whole(kernel_file *file)
     return memcmp(file->bytes + HASHED_BYTES, &expected, sizeof expected) == 0;
 }
 
-static bool read_all(int descriptor, unsigned char *bytes, size_t size)
-{
-    size_t done = 0;
-    while (done < size) {
-        const ssize_t got = read(descriptor, bytes + done, size - done);
-        if (got <= 0 && !(got < 0 && errno == EINTR)) {
-            return false;
-        }
-        done += got > 0 ? (size_t)got : 0;
-    }
-    return true;
-}
-
 /* Reads a regular file. False when it cannot be read, or is no file of kernels. The caller frees file->bytes. */
 static bool read_file(const svo_device *device, const char *path, kernel_file *file)
 {
     struct stat entry;
     *file = (kernel_file){0};
-    const int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    const int descriptor = svo_i_system_open(path);
     if (descriptor < 0) {
         return false;
     }
@@ -217,25 +204,12 @@ static bool read_file(const svo_device *device, const char *path, kernel_file *f
                            (uint64_t)entry.st_size <= FILE_MAX;
     file->size = is_usable ? (size_t)entry.st_size : 0;
     file->bytes = is_usable ? svo_i_alloc(&device->memory, file->size) : NULL;
-    const bool is_read = file->bytes != NULL && read_all(descriptor, file->bytes, file->size);
+    const bool is_read = file->bytes != NULL && svo_i_system_read(descriptor, file->bytes, file->size);
     close(descriptor);
     return is_read && is_whole(file);
 }
 
 /* ---- saving ---- */
-
-static bool write_all(int descriptor, const unsigned char *bytes, size_t size)
-{
-    size_t done = 0;
-    while (done < size) {
-        const ssize_t put = write(descriptor, bytes + done, size - done);
-        if (put < 0 && errno != EINTR) {
-            return false;
-        }
-        done += put > 0 ? (size_t)put : 0;
-    }
-    return true;
-}
 
 /* Writes a new file beside the path and renames it. */
 static svo_status write_file(svo_device *device, const char *path, const kernel_file *file)
@@ -250,15 +224,15 @@ static svo_status write_file(svo_device *device, const char *path, const kernel_
     errno = EEXIST;
     for (int i = 0; i < ATTEMPTS_MAX && descriptor < 0 && errno == EEXIST; ++i) {
         (void)snprintf(temporary, bytes, "%s.%ld.%d.tmp", path, (long)getpid(), i);
-        descriptor = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+        descriptor = svo_i_system_make(temporary);
     }
     if (descriptor < 0) {
         status = fail_errno(device, SAVE, path, "cannot be written");
         goto cleanup;
     }
-    const bool is_written = write_all(descriptor, file->bytes, file->size);
+    const bool is_written = svo_i_system_write(descriptor, file->bytes, file->size);
     const bool is_closed = close(descriptor) == 0;
-    if (!is_written || !is_closed || rename(temporary, path) != 0) {
+    if (!is_written || !is_closed || !svo_i_system_replace(temporary, path)) {
         status = fail_errno(device, SAVE, path, "cannot be written");
         (void)unlink(temporary);
     }
@@ -364,7 +338,7 @@ svo_status svo_device_save_kernels(svo_device *device, const char *folder, size_
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, SAVE ": %s",
                                  device == NULL ? "device is NULL" : "folder is NULL or empty");
     }
-    if (mkdir(folder, 0755) != 0 && errno != EEXIST) {
+    if (!svo_i_system_make_folder(folder)) {
         return fail_errno(device, SAVE, folder, "cannot be made");
     }
     for (size_t i = 0; svo_i_program_at(device, i) != NULL; ++i) {

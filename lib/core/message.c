@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Error messages, checked sizes, the wall clock. */
-#define _POSIX_C_SOURCE 200809L
+/* Error messages, checked sizes. */
 #include "core/message.h"
 
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
 #include "core/limits.h"
 #include "svocl/version.h"
@@ -70,13 +68,6 @@ bool svo_i_add_size(size_t a, size_t b, size_t *out)
     }
     *out = a + b;
     return true;
-}
-
-double svo_i_now_ms(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
 const char *svo_version_string(void)

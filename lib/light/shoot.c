@@ -241,17 +241,23 @@ static svo_status begin_counters(reshoot *a)
     return svo_i_work_write(a->work, a->photons->counters, counters, sizeof counters);
 }
 
+/* The larger magnitude; NaN counts as none. gcc 12 for arm64 ends with an internal error on fmax in such loops. */
+static double larger(double magnitude, double coordinate)
+{
+    return fabs(coordinate) > magnitude ? fabs(coordinate) : magnitude;
+}
+
 /* The largest coordinate of what rays and boxes are computed from. */
 static double find_largest(const svo_i_kept_photons *kept, const svo_i_light_changes *changes)
 {
     double largest = 0;
     for (int axis = 0; axis < 3; ++axis) {
-        largest = fmax(largest, fmax(fabs(kept->box.low[axis]), fabs(kept->box.high[axis])));
+        largest = larger(larger(largest, kept->box.low[axis]), kept->box.high[axis]);
         for (size_t i = 0; i < kept->view_count; ++i) {
-            largest = fmax(largest, fabs((double)kept->views[i].params.base[axis]));
+            largest = larger(largest, (double)kept->views[i].params.base[axis]);
         }
         for (size_t i = 0; i < changes->count; ++i) {
-            largest = fmax(largest, fmax(fabs(changes->boxes[i].low[axis]), fabs(changes->boxes[i].high[axis])));
+            largest = larger(larger(largest, changes->boxes[i].low[axis]), changes->boxes[i].high[axis]);
         }
     }
     return largest;

@@ -6,6 +6,7 @@
 #include "plan/attributes.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "plan/arrays.h"

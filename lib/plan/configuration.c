@@ -55,8 +55,7 @@ bool svo_i_frontend_prefers_cl(const svo_device *device, const svo_i_renderer *r
 
 /* ---- what a build does ---- */
 
-static void leave_out(svo_i_work *work, const char *what, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+static void leave_out(svo_i_work *work, const char *what, const char *format, ...) SVO_I_FORMAT(3, 4);
 
 /* Entries beyond SVO_I_LEFT_OUT_MAX are only counted; check_capacities fails then. */
 static void leave_out(svo_i_work *work, const char *what, const char *format, ...)

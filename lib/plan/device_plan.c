@@ -6,6 +6,7 @@
  */
 #include "plan/device_plan.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "plan/accounts.h"

@@ -8,11 +8,17 @@
 #ifdef SVOCL_EMBREE
 
 #include <dlfcn.h>
-#include <embree3/rtcore.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#if SVOCL_EMBREE >= 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
 
 #if defined(__SSE__)
 #include <xmmintrin.h>
@@ -28,7 +34,47 @@
 
 /* ---- the library ---- */
 
+/* What differs between versions 3 and 4: names, and what a query takes beside its rays. QUERY_WITH puts both in order;
+   kind is intersect or occluded. */
+#if SVOCL_EMBREE >= 4
+#define LIBRARY "libembree4.so.4"
+#define PACKAGE "libembree4-4"
+
+typedef struct query_arguments {
+    struct RTCIntersectArguments intersect;
+    struct RTCOccludedArguments occluded;
+} query_arguments;
+
+#define QUERY_WITH(arguments, kind, query) (query), &(arguments)->kind
+
+static query_arguments make_arguments(bool coherent)
+{
+    query_arguments made;
+    rtcInitIntersectArguments(&made.intersect);
+    rtcInitOccludedArguments(&made.occluded);
+    made.intersect.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
+    made.occluded.flags = made.intersect.flags;
+    return made;
+}
+#else
 #define LIBRARY "libembree3.so.3"
+#define PACKAGE "libembree3-3"
+
+typedef struct query_arguments {
+    struct RTCIntersectContext context;
+} query_arguments;
+
+#define QUERY_WITH(arguments, kind, query) &(arguments)->context, (query)
+
+static query_arguments make_arguments(bool coherent)
+{
+    query_arguments made;
+    rtcInitIntersectContext(&made.context);
+    made.context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    return made;
+}
+#endif
+
 #define FUNCTIONS(X)                \
     X(rtcNewDevice)                 \
     X(rtcReleaseDevice)             \
@@ -83,7 +129,7 @@ bool embree_is_there(void)
 
 const char *embree_lack(void)
 {
-    return embree_is_there() ? "" : LIBRARY " cannot be opened (apt install libembree3-3)";
+    return embree_is_there() ? "" : LIBRARY " cannot be opened (apt install " PACKAGE ")";
 }
 
 struct embree {
@@ -255,7 +301,7 @@ bool embree_is_native(const embree *peer, unsigned width)
 
 /* ---- rays, as packets ---- */
 
-/* The rows of width numbers of struct RTCRayHit, RTCRayHit8 and RTCRayHit16. */
+/* The rows of width numbers of struct RTCRayHit, RTCRayHit8 and RTCRayHit16. Embree 4 may have more behind them. */
 enum {
     ROW_ORIGIN = 0,
     ROW_NEAR = 3,
@@ -267,12 +313,21 @@ enum {
     ROW_TRIANGLE = 17,
     ROW_GEOMETRY = 18,
     ROW_INSTANCE = 19,
-    QUERY_ROWS = 20,
     QUERY_ALIGNMENT = 64
 };
 
-_Static_assert(sizeof(struct RTCRayHit) == QUERY_ROWS * sizeof(float), "no instances of instances, no padding");
-_Static_assert(sizeof(struct RTCRayHit16) == sizeof(float[QUERY_ROWS][16]), "no padding");
+_Static_assert(offsetof(struct RTCRayHit, hit.instID) == ROW_INSTANCE * sizeof(float), "no padding");
+_Static_assert(offsetof(struct RTCRayHit16, hit.instID) == sizeof(float[ROW_INSTANCE][16]), "no padding");
+
+/* How many rows a packet of a type and width has. */
+#define ROWS(type, width) (sizeof(type) / ((width) * sizeof(float)))
+
+static size_t rows_of(size_t width)
+{
+    return width == 16  ? ROWS(struct RTCRayHit16, 16)
+           : width == 8 ? ROWS(struct RTCRayHit8, 8)
+                        : ROWS(struct RTCRayHit, 1);
+}
 
 typedef struct ray_batch {
     const embree *peer;
@@ -280,7 +335,7 @@ typedef struct ray_batch {
     const svo_ray *rays;
     svo_hit *hits;
     size_t ray_count;
-    float *queries; /* QUERY_ROWS rows for each packet, which Embree reads and writes in place */
+    float *queries; /* rows_of(call.width) rows for each packet, which Embree reads and writes in place */
     int *valid; /* for each ray: -1, or 0 where Embree refuses it or there is none */
 } ray_batch;
 
@@ -297,7 +352,7 @@ static bool is_valid(const svo_ray *ray)
 static float *lane_of(const ray_batch *batch, size_t index)
 {
     const size_t width = batch->call.width;
-    return batch->queries + index / width * width * QUERY_ROWS + index % width;
+    return batch->queries + index / width * width * rows_of(width) + index % width;
 }
 
 static void lay_out_ray(const ray_batch *batch, size_t index)
@@ -331,7 +386,7 @@ static bool lay_out_rays(ray_batch *batch)
     const size_t width = batch->call.width;
     const size_t lanes = (batch->ray_count + width - 1) / width * width;
     batch->valid = allocate_aligned(lanes * sizeof *batch->valid);
-    batch->queries = allocate_aligned(lanes * QUERY_ROWS * sizeof *batch->queries);
+    batch->queries = allocate_aligned(lanes * rows_of(width) * sizeof *batch->queries);
     const bool made = batch->queries != NULL && batch->valid != NULL;
     for (size_t i = 0; made && i < batch->ray_count; ++i) {
         lay_out_ray(batch, i);
@@ -360,30 +415,33 @@ static void keep_hits(const ray_batch *batch)
 /* ---- tracing ---- */
 
 /* One function for each width: Embree's types and functions differ by a number. */
-#define TRACE_PACKET(width)                                                                                        \
-    static void trace_##width(const ray_batch *batch, struct RTCIntersectContext *context, size_t first)           \
-    {                                                                                                              \
-        struct RTCRayHit##width *query = (struct RTCRayHit##width *)(void *)(batch->queries + first * QUERY_ROWS); \
-        if (batch->call.any) {                                                                                     \
-            api.rtcOccluded##width(batch->valid + first, batch->peer->scene, context, &query->ray);                \
-        } else {                                                                                                   \
-            api.rtcIntersect##width(batch->valid + first, batch->peer->scene, context, query);                     \
-        }                                                                                                          \
+#define TRACE_PACKET(width)                                                                                  \
+    static void trace_##width(const ray_batch *batch, query_arguments *arguments, size_t first)              \
+    {                                                                                                        \
+        void *packet = batch->queries + first * ROWS(struct RTCRayHit##width, width);                        \
+        struct RTCRayHit##width *query = packet;                                                             \
+        const int *valid = batch->valid + first;                                                             \
+        if (batch->call.any) {                                                                               \
+            api.rtcOccluded##width(valid, batch->peer->scene, QUERY_WITH(arguments, occluded, &query->ray)); \
+        } else {                                                                                             \
+            api.rtcIntersect##width(valid, batch->peer->scene, QUERY_WITH(arguments, intersect, query));     \
+        }                                                                                                    \
     }
 
 TRACE_PACKET(8)
 TRACE_PACKET(16)
 
-static void trace_1(const ray_batch *batch, struct RTCIntersectContext *context, size_t index)
+static void trace_1(const ray_batch *batch, query_arguments *arguments, size_t index)
 {
-    struct RTCRayHit *query = (struct RTCRayHit *)(void *)(batch->queries + index * QUERY_ROWS);
+    void *packet = batch->queries + index * ROWS(struct RTCRayHit, 1);
+    struct RTCRayHit *query = packet;
     if (batch->valid[index] == 0) {
         return;
     }
     if (batch->call.any) {
-        api.rtcOccluded1(batch->peer->scene, context, &query->ray);
+        api.rtcOccluded1(batch->peer->scene, QUERY_WITH(arguments, occluded, &query->ray));
     } else {
-        api.rtcIntersect1(batch->peer->scene, context, query);
+        api.rtcIntersect1(batch->peer->scene, QUERY_WITH(arguments, intersect, query));
     }
 }
 
@@ -391,16 +449,14 @@ static void trace_1(const ray_batch *batch, struct RTCIntersectContext *context,
 static void trace_chunk(void *user, unsigned thread_index, size_t begin, size_t end)
 {
     const ray_batch *batch = user;
-    struct RTCIntersectContext context;
+    query_arguments arguments = make_arguments(batch->call.coherent);
     const uint32_t state = flush_subnormals();
     (void)thread_index;
-    rtcInitIntersectContext(&context);
-    context.flags = batch->call.coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-    void (*const trace)(const ray_batch *, struct RTCIntersectContext *, size_t) = batch->call.width == 16  ? trace_16
-                                                                                   : batch->call.width == 8 ? trace_8
-                                                                                                            : trace_1;
+    void (*const trace)(const ray_batch *, query_arguments *, size_t) = batch->call.width == 16  ? trace_16
+                                                                        : batch->call.width == 8 ? trace_8
+                                                                                                 : trace_1;
     for (size_t i = begin; i < end; i += batch->call.width) {
-        trace(batch, &context, i);
+        trace(batch, &arguments, i);
     }
     restore_subnormals(state);
 }
