@@ -189,6 +189,7 @@ def test_structs_are_complete():
         "svo_probe_info": (_generated.ProbeInfo, set()),
         "svo_paged_info": (_generated.PagedInfo, set()),
         "svo_paged_counts": (_generated.PagedCounts, set()),
+        "svo_parts_tree_info": (_generated.PartsTreeInfo, {"reserved"}),
         "svo_scene_light": (svocl.SceneLight, {"reserved"}),
         # OpenGL's, and those of enqueued builds; stage_times are stages.
         "svo_build_report": (_generated.BuildReport, {"inner_nodes", "renderer", "stage_times"}),

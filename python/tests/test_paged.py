@@ -51,6 +51,37 @@ def test_the_last_picture_is_that_of_the_whole_tree(device, whole):
         assert np.array_equal(depths, tree.render(*SIZE, view=svocl.View.DEPTH))
 
 
+def test_a_folder_of_parts_is_a_tree(device, torus, whole, tmp_path):
+    tree, path, picture = whole
+    place = tmp_path / "parts"
+    with svocl.Parts.create(device, torus, 7, place, max_bytes=1 << 18, need=svocl.Need.NORMAL) as parts:
+        with pytest.raises(svocl.FileError, match="part"):
+            svocl.PartsTree(place)
+        for index in range(len(parts)):
+            parts.build(index, device)
+    with svocl.PartsTree(place) as folder:
+        info = folder.info
+        assert info.part_count > 1 and info.last_level == info.tree.depth == 7
+        assert info.node_count == tree.info.node_count == sum(info.level_nodes)
+        assert info.inner_count + info.leaf_count == info.node_count
+        assert folder.hash() == tree.hash() and folder.hash(nodes_only=True) == tree.hash(nodes_only=True)
+        assert folder.check() == info.part_count and folder.check(1, seed=5) == 1
+        assert folder.save(tmp_path / "again.svo").node_count == info.node_count
+        assert (tmp_path / "again.svo").read_bytes() == path.read_bytes()
+        with folder.load(levels=5) as coarse, svocl.Tree.load(path, levels=5) as expected:
+            assert coarse.hash() == expected.hash()
+        codes = [code for code in range(8) if tree.arrays.child_mask[0] >> code & 1]
+        with folder.load(1, codes[0]) as corner:
+            assert corner.info.depth == 6 and corner.info.edge == tree.info.edge / 2
+        with pytest.raises(svocl.InvalidArgumentError, match="level"):
+            folder.load(8)
+        assert f"in {info.part_count} parts" in repr(folder)
+    assert repr(folder) == "<svocl.PartsTree: closed>"
+    with svocl.Paged(device, place, PLENTY) as paged:
+        assert np.array_equal(refine(paged), picture)
+        assert paged.frame(1.5) == tree.frame(1.5)
+
+
 def test_little_room(device, whole):
     """As much is drawn as fits, and what an update reads has a limit."""
     tree, path, picture = whole

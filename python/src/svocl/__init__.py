@@ -98,6 +98,7 @@ from ._generated import (
     OutOfHostMemoryError,
     PagedCounts,
     PagedInfo,
+    PartsTreeInfo,
     Place,
     PlanBuffer,
     PlanInfo,
@@ -134,6 +135,7 @@ from ._opencl import Event
 from ._page import png
 from ._paged import Paged
 from ._parts import Parts, PartEntry, PartsPlanning
+from ._parts_tree import PartsTree
 from ._plan import Plan
 from ._probes import Probes
 from ._scene import Scene, SceneLight, make_instances
@@ -218,6 +220,8 @@ __all__ = [
     "PartEntry",
     "Parts",
     "PartsPlanning",
+    "PartsTree",
+    "PartsTreeInfo",
     "Plan",
     "PlanBuffer",
     "PlanInfo",

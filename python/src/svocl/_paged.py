@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Paged trees: pictures of a .svo file that is larger than the memory it may take."""
+"""Paged trees: pictures of a file or of a folder of parts that is larger than the memory it may take."""
 
 import os
 from typing import Any, Optional
@@ -15,6 +15,7 @@ from ._generated import View
 from ._handle import Handle, Native
 from ._mesh import Path, encode, need_io
 from ._native import ffi, lib
+from ._parts_tree import PartsTree
 from ._tree import Camera, Tree, render_options
 
 
@@ -24,7 +25,8 @@ class Paged(Handle):
 
     Args:
         device: that draws.
-        path: of a file that Tree.save wrote without compress.
+        path: of a file that Tree.save wrote without compress, or of a folder whose parts are all built (PartsTree).
+            Of that the levels are drawn that one tree can have, PartsTreeInfo.last_level.
         budget_bytes: for buffers on the device. Pictures come on top.
         page_levels: levels of a page, 2 .. 5; fewer follow the view more closely, and take more pages.
         update_bytes: an update that has read as many bytes reads no further page; 0: no limit.
@@ -76,8 +78,14 @@ class Paged(Handle):
             aspect: width / height of the picture, above 0.
             camera: see Tree.frame.
         """
-        with Tree.load(self.path, levels=min(self.info.depth, lib.SVO_FRAME_LEVEL_MAX)) as upper:
+        with self._upper(min(self.info.depth, lib.SVO_FRAME_LEVEL_MAX)) as upper:
             return upper.frame(aspect, camera)
+
+    def _upper(self, levels: int) -> Tree:
+        if os.path.isdir(self.path) or os.path.basename(self.path) == "plan":
+            with PartsTree(self.path) as parts:
+                return parts.load(levels=levels)
+        return Tree.load(self.path, levels=levels)
 
     def render(
         self, width: int, height: int, *, camera: Optional[Camera] = None, view: View = View.SHADED

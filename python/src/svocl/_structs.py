@@ -5,7 +5,7 @@ from enum import EnumMeta
 from typing import Any, Optional, TypeVar, get_type_hints
 
 from ._errors import text
-from ._generated import BuildReport, CompactInfo, LightInfo, ProbeInfo, StageTime, TreeInfo
+from ._generated import BuildReport, CompactInfo, LightInfo, PartsTreeInfo, ProbeInfo, StageTime, TreeInfo
 from ._native import ffi, lib
 
 _T = TypeVar("_T")
@@ -39,6 +39,13 @@ def _kinds(kind: Any) -> dict[str, Any]:
 def read_tree_info(struct: Any) -> TreeInfo:
     info = read(struct, TreeInfo)
     return info._replace(level_begin=info.level_begin[: info.depth + 2])
+
+
+def read_parts_tree_info(struct: Any) -> PartsTreeInfo:
+    values = {name: getattr(struct, name) for name in PartsTreeInfo._fields}
+    values["tree"] = read_tree_info(struct.tree)
+    values["level_nodes"] = tuple(struct.level_nodes)[: struct.tree.depth + 1]
+    return PartsTreeInfo(**values)
 
 
 def read_compact_info(struct: Any) -> CompactInfo:
