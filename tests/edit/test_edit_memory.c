@@ -80,7 +80,7 @@ static bool are_same(const svo_edit *left, const svo_edit *right)
 static void many_steps_stay_within_the_plan(void **state)
 {
     (void)state;
-    const int count = getenv("SVOCL_LONG_TESTS") != NULL ? 1000000 : 100000;
+    const int count = suite_is_long() ? 1000000 : 100000;
     const svo_edit_options options = {.struct_size = sizeof options, .undo_count = 8};
     svo_edit *edit = make_edit(NULL, &options);
     uint64_t seed = 3;

@@ -245,7 +245,7 @@ static void compare_moves(const fixture *opened, uint64_t seed, int moves, svo_l
 /* A hundred moves where SVOCL_LONG_TESTS is set (tools/dev long). */
 static void random_moves_equal_lights_from_nothing(void **state)
 {
-    const int moves = getenv("SVOCL_LONG_TESTS") != NULL ? 100 : 8;
+    const int moves = suite_is_long() ? 100 : 8;
     const fixture opened = fixture_cl_of_group(state);
     const svo_light_setup setup = setup_of(all_sources, 3, 0);
     for (int form = 0; form < SVO_LIGHT_FORM_COUNT; ++form) {

@@ -391,7 +391,7 @@ static uint64_t nothing_else(const svo_moving *moving)
 static void memory_is_flat(void **state)
 {
     (void)state;
-    check_memory_is_flat(getenv("SVOCL_LONG_TESTS") != NULL ? 10000 : 3000, update_moving, nothing_else);
+    check_memory_is_flat(suite_is_long() ? 10000 : 3000, update_moving, nothing_else);
 }
 
 TEST_GROUP(moving)

@@ -563,8 +563,7 @@ static void run_once(void)
 /* Whether no other is tried in place of a decision. */
 static bool is_left_out(int decided)
 {
-    return world.of->is_long && world.steps[decided].is_interruption && decided % LONG_STRIDE != 0 &&
-           getenv("SVOCL_LONG_TESTS") == NULL;
+    return world.of->is_long && world.steps[decided].is_interruption && decided % LONG_STRIDE != 0 && !suite_is_long();
 }
 
 /* The order after the one that ran; false: it was the last. */
@@ -733,7 +732,7 @@ static void test_killed_at_any_call(void **state)
             fail_msg("after %d calls: %s", calls, message.text);
         }
         expect_file_of(world.identities[0], out);
-        calls += getenv("SVOCL_LONG_TESTS") == NULL ? LONG_STRIDE : 1;
+        calls += !suite_is_long() ? LONG_STRIDE : 1;
     }
     print_message("killed at %d of its calls\n", calls);
     assert_true(calls > 50);

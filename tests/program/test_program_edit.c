@@ -92,7 +92,7 @@ static void scripts_take_closed_meshes(void **state)
 static void sessions_are_replayed(void **state)
 {
     static const char *const ways[] = {"", "--builder sorted --path cpu", "--builder cl --path gpu"};
-    const size_t count = getenv("SVOCL_LONG_TESTS") != NULL ? 3 : 2;
+    const size_t count = suite_is_long() ? 3 : 2;
     char command[2048];
     (void)state;
     need_builds();

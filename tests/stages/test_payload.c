@@ -40,7 +40,7 @@ static void check_payload(const fixture *opened, const svo_mesh *mesh, unsigned 
 static void payload_of_every_attribute_is_exact(void **state)
 {
     const fixture *opened = fixture_of_group(state);
-    for (uint64_t seed = 1; seed <= 12; ++seed) {
+    for (uint64_t seed = 1; seed <= (suite_is_long() ? 12 : 7); ++seed) {
         const unsigned depth = 1 + (unsigned)seed % 7;
         print_message("seed %llu at depth %u\n", (unsigned long long)seed, depth);
         attributed_mesh made;
@@ -59,7 +59,7 @@ static void payload_of_every_attribute_is_exact(void **state)
 static void payload_without_some_attributes_is_exact(void **state)
 {
     const fixture *opened = fixture_of_group(state);
-    for (unsigned without = 0; without < 64; ++without) {
+    for (unsigned without = 0; without < 64; without += suite_is_long() ? 1 : 7) {
         attributed_mesh made;
         attributed_mesh_create(1000 + without, 60, 0.0, &made);
         svo_mesh mesh = made.mesh;
@@ -96,7 +96,7 @@ static void payload_at_great_depths_is_exact(void **state)
     const fixture *opened = fixture_of_group(state);
     attributed_mesh made;
     attributed_mesh_create(12, 3, 0.0, &made);
-    for (unsigned depth = 9; depth <= SVO_DEPTH_MAX; ++depth) {
+    for (unsigned depth = 9; depth <= SVO_DEPTH_MAX; depth += suite_is_long() ? 1 : 7) {
         /* Deeper grids keep the voxel size of depth 12; otherwise there would be billions of voxels. */
         const double edge = depth <= 12 ? 0.0 : ldexp(1.0, (int)depth - 12);
         check_payload(opened, &made.mesh, depth, &(svo_plan_options){.need = NEED_PAYLOAD, .edge = edge});
@@ -138,7 +138,7 @@ static void payload_of_scenes_is_exact(void **state)
     const fixture *opened = fixture_of_group(state);
     for (size_t i = 0; i < sizeof specs / sizeof specs[0]; ++i) {
         scene *made = fixture_scene(specs[i]);
-        check_payload(opened, scene_mesh(made), 8, &(svo_plan_options){.need = NEED_PAYLOAD});
+        check_payload(opened, scene_mesh(made), suite_is_long() ? 8 : 7, &(svo_plan_options){.need = NEED_PAYLOAD});
         scene_destroy(&made);
     }
 }

@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "suite.h"
@@ -32,6 +33,11 @@ static const struct {
 };
 
 enum { GROUP_COUNT = sizeof groups / sizeof groups[0] };
+
+bool suite_is_long(void)
+{
+    return getenv("SVOCL_LONG_TESTS") != NULL;
+}
 
 static int usage(const char *program)
 {

@@ -11,9 +11,14 @@
 #ifndef SVOCL_TESTS_SUITE_H
 #define SVOCL_TESTS_SUITE_H
 
+#include <stdbool.h>
+
 #define TEST_GROUP(name)         \
     int test_group_##name(void); \
     int test_group_##name(void)
+
+/* Whether tests run in their long forms: SVOCL_LONG_TESTS, of tools/dev long. */
+bool suite_is_long(void);
 
 /* The program's main(), for those that do something before it; they have SUITE_OWN_MAIN in CMake. */
 int suite_run(int argc, char **argv);
