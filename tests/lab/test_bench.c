@@ -600,10 +600,10 @@ static void bad_inputs_fail_before_anything_is_measured(void **state)
 TEST_GROUP(bench)
 {
     const struct CMUnitTest tests[] = {
-        IN_FOLDER(front_ends_are_measured),
-        IN_FOLDER(a_machine_is_measured_step_by_step),
+        IN_FOLDER_ANY_KERNELS(front_ends_are_measured),
+        IN_FOLDER_ANY_KERNELS(a_machine_is_measured_step_by_step),
         IN_FOLDER(failing_steps_are_rows),
-        IN_FOLDER(every_subject_adds_its_tables),
+        IN_FOLDER_ANY_KERNELS(every_subject_adds_its_tables),
         IN_FOLDER(minimized_spheres_are_smaller),
         IN_FOLDER(rays_are_compared_with_a_grid),
         IN_FOLDER(rays_are_compared_with_embree),
@@ -615,8 +615,8 @@ TEST_GROUP(bench)
         IN_FOLDER(stored_figures_are_those_of_today),
         IN_FOLDER(errors_of_files_are_measured),
         IN_FOLDER(subjects_that_fail_leave_a_reason),
-        IN_FOLDER(workers_are_measured_beside_a_model),
-        IN_FOLDER(limits_that_are_too_small_are_named),
+        IN_FOLDER_ANY_KERNELS(workers_are_measured_beside_a_model),
+        IN_FOLDER_ANY_KERNELS(limits_that_are_too_small_are_named),
     };
     return cmocka_run_group_tests_name("bench", tests, NULL, NULL);
 }

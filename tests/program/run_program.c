@@ -188,6 +188,17 @@ int leave_folder(void **state)
     return chdir("/") != 0 || system(line) != 0;
 }
 
+int enter_folder_unoptimized(void **state)
+{
+    return setenv("POCL_EXTRA_BUILD_FLAGS", "-cl-opt-disable", 1) != 0 || enter_folder(state) != 0;
+}
+
+int leave_folder_unoptimized(void **state)
+{
+    const int failed = leave_folder(state);
+    return unsetenv("POCL_EXTRA_BUILD_FLAGS") != 0 || failed != 0;
+}
+
 const cJSON *table_of(const cJSON *document, const char *id)
 {
     const cJSON *table = NULL;

@@ -60,6 +60,13 @@ int enter_folder(void **state);
 int leave_folder(void **state);
 #define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, enter_folder, leave_folder)
 
+/* The same, and PoCL compiles without its optimizer: for tests that check what the program does on the host, where
+   compiling takes longer than running. */
+int enter_folder_unoptimized(void **state);
+int leave_folder_unoptimized(void **state);
+#define IN_FOLDER_ANY_KERNELS(test) \
+    cmocka_unit_test_setup_teardown(test, enter_folder_unoptimized, leave_folder_unoptimized)
+
 /* A table of results by its id, and the index of its column of that name; the test fails without them. */
 const cJSON *table_of(const cJSON *document, const char *id);
 int column_of(const cJSON *table, const char *name);
