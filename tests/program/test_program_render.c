@@ -270,7 +270,7 @@ static void a_file_in_pages(void **state)
     run_badly("$SVOCL render a.svo -o p.png --paged 100", 1, "budget_bytes 100 is below");
     run_badly("$SVOCL render c.svo -o p.png --paged 4K", 1, "is compressed");
     run_badly("$SVOCL render scene:cube -o p.png --paged 1M", 2, "--paged reads a .svo file");
-    run_badly("$SVOCL render a.svo -o p.png --paged 1M --levels 3", 2, "--levels does not apply with --paged");
+    run_badly("$SVOCL render a.svo -o p.png --paged 1M --levels 3", 2, "--levels with --paged applies to folders");
     run_badly("$SVOCL render a.svo -o p.png --paged 1M --view triangles", 2, "--paged has the views shaded");
     run_badly("$SVOCL render a.svo -o p.png --paged 1M -d 3", 2, "build options do not apply");
     run_well("rm a.svo c.svo whole.png paged.png");
