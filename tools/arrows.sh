@@ -103,12 +103,14 @@ declarations()
 }
 
 # Reads what declarations() writes; "HEADER FILE" for each file that defines one of its functions, or "HEADER -NAME"
-# where none does that may: the .c file of the header's name or, where there is none, the files of its folder.
+# where none does that may: the .c file of the header's name, and that of POSIX beside it, or, where there is none, the
+# files of its folder.
 implementers()
 {
     while read -r header name; do
         local candidates=("${header%.h}.c") found
         [[ -e ${candidates[0]} ]] || candidates=("${header%/*}"/*.c)
+        [[ ! -e ${header%.h}_posix.c ]] || candidates+=("${header%.h}_posix.c")
         found=$(grep -l -E "^[A-Za-z].*[ *]\\(?$name\\)?\\(" "${candidates[@]}" | head -1) || true
         printf '%s %s\n' "$header" "${found:--$name}"
     done | sort -u

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The limits of this process's memory in words and numbers. limits_posix.c or limits_windows.c reads them. */
+/* What follows from the limits of this process's memory, which limits_posix.c or limits_windows.c reads. */
 #include "core/limits.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#include "core/limits_system.h"
 #include "core/system.h"
 
 svo_i_bytes_text svo_i_bytes(uint64_t bytes)
@@ -24,12 +23,6 @@ svo_i_bytes_text svo_i_bytes(uint64_t bytes)
         (void)snprintf(made.text, sizeof made.text, "%.1f %s", value, units[unit]);
     }
     return made;
-}
-
-svo_i_limit svo_i_limit_read(svo_i_limit_kind kind)
-{
-    const svo_i_system_limit limit = kind == SVO_I_LIMIT_SPACE ? svo_i_limits_space() : svo_i_limits_group();
-    return (svo_i_limit){limit.name, limit.bytes, limit.used_bytes};
 }
 
 uint64_t svo_i_limit_left(const svo_i_limit *limit)

@@ -4,7 +4,7 @@
  * (https://docs.kernel.org/admin-guide/cgroup-v2.html and cgroup-v1/memory.html). A limit that cannot be read is none.
  */
 #define _POSIX_C_SOURCE 200809L
-#include "core/limits_system.h"
+#include "core/limits.h"
 
 #include <fcntl.h>
 #include <stdbool.h>
@@ -43,11 +43,11 @@ static void read_text(const char *path, char text[TEXT_BYTES])
 
 /* ---- address space ---- */
 
-svo_i_system_limit svo_i_limits_space(void)
+static svo_i_limit read_space(void)
 {
     struct rlimit space;
     char text[TEXT_BYTES];
-    svo_i_system_limit limit = {SPACE_NAME, UINT64_MAX, 0};
+    svo_i_limit limit = {SPACE_NAME, UINT64_MAX, 0};
     if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY) {
         const long page_bytes = sysconf(_SC_PAGESIZE);
         limit.bytes = space.rlim_cur;
@@ -94,13 +94,12 @@ static uint64_t read_group_bytes(const group_version *version, const char *group
     return text[0] >= '0' && text[0] <= '9' ? strtoull(text, NULL, 10) : otherwise;
 }
 
-static svo_i_system_limit read_group(const group_version *version, const char *group)
+static svo_i_limit read_group(const group_version *version, const char *group)
 {
     char text[TEXT_BYTES];
-    svo_i_system_limit limit = {version->limit_name, read_group_bytes(version, group, version->limit_file, UINT64_MAX),
-                                0};
+    svo_i_limit limit = {version->limit_name, read_group_bytes(version, group, version->limit_file, UINT64_MAX), 0};
     if (limit.bytes >= GROUP_BYTES_MAX) {
-        return (svo_i_system_limit){version->limit_name, UINT64_MAX, 0};
+        return (svo_i_limit){version->limit_name, UINT64_MAX, 0};
     }
     limit.used_bytes = read_group_bytes(version, group, version->used_file, 0);
     read_group_text(version, group, "memory.stat", text);
@@ -136,16 +135,11 @@ static bool find_group(const char *lines, bool is_first_version, char group[PATH
     return false;
 }
 
-static uint64_t left_of(const svo_i_system_limit *limit)
-{
-    return limit->bytes == UINT64_MAX ? UINT64_MAX : limit->bytes - smaller(limit->used_bytes, limit->bytes);
-}
-
 /* The group and those above it, up to the root that this process sees: the one that leaves the least. */
-svo_i_system_limit svo_i_limits_group(void)
+static svo_i_limit read_groups(void)
 {
     char lines[TEXT_BYTES];
-    svo_i_system_limit least = {versions[0].limit_name, UINT64_MAX, 0};
+    svo_i_limit least = {versions[0].limit_name, UINT64_MAX, 0};
     read_text("/proc/self/cgroup", lines);
     for (size_t i = 0; i < sizeof versions / sizeof versions[0]; ++i) {
         char group[PATH_BYTES];
@@ -155,10 +149,17 @@ svo_i_system_limit svo_i_limits_group(void)
                 --end;
             }
             *end = '\0';
-            const svo_i_system_limit limit = read_group(&versions[i], group);
-            least = left_of(&limit) < left_of(&least) ? limit : least;
+            const svo_i_limit limit = read_group(&versions[i], group);
+            least = svo_i_limit_left(&limit) < svo_i_limit_left(&least) ? limit : least;
             end = strrchr(group, '/');
         }
     }
     return least;
+}
+
+/* ---- both ---- */
+
+svo_i_limit svo_i_limit_read(svo_i_limit_kind kind)
+{
+    return kind == SVO_I_LIMIT_SPACE ? read_space() : read_groups();
 }

@@ -34,6 +34,8 @@ struct svo_edit_mirror {
     uint64_t unit_room; /* of the buffer */
     uint32_t unit_count; /* that are there */
     uint64_t collections; /* of the edit when they went there */
+    svo_i_edit_ref version; /* the edit's root then */
+    bool is_current; /* the last update succeeded */
     svo_voxels_info list; /* the grid's corner as low, and its depth */
     svo_i_voxel_grid grid;
     svo_i_edit_ref node; /* what root says */
@@ -158,7 +160,8 @@ static svo_status write_units(svo_edit_mirror *mirror, cl_command_queue queue)
 /* The root, and in unit 0 its alpha, by which kernels know whether all shows. */
 static svo_status write_root(svo_edit_mirror *mirror, cl_command_queue queue, svo_i_edit_ref node, uint32_t depth)
 {
-    const uint32_t color = node != SVO_I_EDIT_EMPTY ? svo_i_edit_color_of(&mirror->edit->store, node) : UINT32_MAX;
+    const uint32_t color =
+        node != SVO_I_EDIT_EMPTY ? svo_i_edit_payload_of(&mirror->edit->store, node).color : UINT32_MAX;
     const uint32_t first[2] = {color & 0xff000000u, 0};
     const uint32_t root[2] = {node, depth};
     SVO_I_TRY(svo_i_device_write(mirror->device, update_name, queue, mirror->units, 0, first, sizeof first));
@@ -176,6 +179,11 @@ svo_status svo_edit_mirror_update(svo_edit_mirror *mirror, cl_command_queue queu
     const svo_edit *edit = mirror->edit;
     const svo_i_edit_ref root = edit->versions[edit->current];
     SVO_I_TRY(svo_i_device_queue(mirror->device, update_name, queue, &queue));
+    mirror->info.written_bytes = 0;
+    if (mirror->is_current && mirror->version == root && mirror->collections == edit->info.collections) {
+        return SVO_OK; /* else nodes above the edit's would be written once more */
+    }
+    mirror->is_current = false;
     if (root != SVO_I_EDIT_EMPTY) {
         SVO_I_TRY(find_grid(mirror, root, base, &depth));
         SVO_I_TRY(find_node(mirror, root, base, depth, &node));
@@ -185,13 +193,14 @@ svo_status svo_edit_mirror_update(svo_edit_mirror *mirror, cl_command_queue queu
         mirror->unit_count = 0;
     }
     mirror->collections = edit->info.collections;
-    mirror->info.written_bytes = 0;
     SVO_I_TRY(make_room(mirror, edit->store.top > 0 ? edit->store.top : 1));
     SVO_I_TRY(write_units(mirror, queue));
     SVO_I_TRY(write_root(mirror, queue, node, depth));
     mirror->info.device_bytes = mirror->unit_room * UNIT_BYTES;
     mirror->info.depth = depth;
     mirror->node = node;
+    mirror->version = root;
+    mirror->is_current = true;
     return SVO_OK;
 }
 

@@ -124,33 +124,32 @@ const void *svo_i_edit_store_units(const svo_i_edit_store *store, uint32_t segme
 
 /* ---- means ---- */
 
-/* Sums of colors by alpha and weight. */
-typedef struct mean {
-    uint64_t color[4];
-    uint64_t weight;
-    bool is_opaque;
-} mean;
-
-static void mean_add(mean *m, uint32_t color, uint64_t weight)
+void svo_i_edit_add_color(svo_i_edit_sums *to, uint32_t color, uint64_t weight)
 {
     const uint64_t share = weight * (color >> 24);
+    to->weight += weight;
     for (uint32_t i = 0; i < 3; ++i) {
-        m->color[i] += share * (color >> 8u * i & 255u);
+        to->color[i] += share * (color >> 8u * i & 255u);
     }
-    m->color[3] += share;
-    m->weight += weight;
-    m->is_opaque = m->is_opaque && color >> 24 == 255u;
+    to->color[3] += share;
 }
 
-static uint32_t mean_get(const mean *m)
+static uint64_t rounded_quotient(uint64_t sum, uint64_t by)
 {
-    const uint64_t by = m->color[3] > 0 ? m->color[3] : 1;
-    uint64_t alpha = (m->color[3] + m->weight / 2) / m->weight;
+    return (2 * sum + by) / (2 * by);
+}
+
+/* As svo_mean_color of kernels. */
+uint32_t svo_i_edit_mean_color(const svo_i_edit_sums *of)
+{
+    const uint64_t shown = of->color[3];
+    uint64_t alpha = rounded_quotient(shown, of->weight > 0 ? of->weight : 1);
     uint32_t color = 0;
     for (uint32_t i = 0; i < 3; ++i) {
-        color |= (uint32_t)((m->color[i] + by / 2) / by) << 8u * i;
+        color |= (uint32_t)rounded_quotient(of->color[i], shown > 0 ? shown : 1) << 8u * i;
     }
-    alpha = m->is_opaque ? 255 : alpha > 254 ? 254 : alpha == 0 && m->color[3] > 0 ? 1 : alpha;
+    alpha = alpha == 0 && shown > 0 ? 1 : alpha;
+    alpha = alpha == 255 && shown < 255 * of->weight ? 254 : alpha;
     return color | (uint32_t)alpha << 24;
 }
 
@@ -187,12 +186,6 @@ svo_i_edit_payload svo_i_edit_payload_of(const svo_i_edit_store *store, svo_i_ed
 {
     const svo_i_edit_node *node = at(store, ref);
     return (svo_i_edit_payload){.color = node->color, .material = node->material};
-}
-
-uint32_t svo_i_edit_color_of(const svo_i_edit_store *store, svo_i_edit_ref ref)
-{
-    const svo_i_edit_node *node = at(store, ref);
-    return node->color;
 }
 
 uint32_t svo_i_edit_variety_of(const svo_i_edit_store *store, svo_i_edit_ref ref)
@@ -267,7 +260,7 @@ static bool are_one(const svo_i_edit_store *store, const svo_i_edit_ref children
 bool svo_i_edit_join(svo_i_edit_store *store, const svo_i_edit_ref children[8], uint32_t level, svo_i_edit_ref *out)
 {
     const uint32_t scale = 3u * (level - 1u) > 40u ? 3u * (level - 1u) - 40u : 0u; /* weights below 2^43 */
-    mean colors = {.is_opaque = true};
+    svo_i_edit_sums colors = {.weight = 0};
     uint32_t mask = 0;
     uint64_t voxel_count = 0;
     for (uint32_t octant = 0; octant < 8; ++octant) {
@@ -275,7 +268,8 @@ bool svo_i_edit_join(svo_i_edit_store *store, const svo_i_edit_ref children[8], 
             const uint64_t below = svo_i_edit_voxels_of(store, children[octant], level - 1);
             mask |= 1u << octant;
             voxel_count += below;
-            mean_add(&colors, svo_i_edit_color_of(store, children[octant]), (below >> scale) + (scale > 0 ? 1u : 0u));
+            svo_i_edit_add_color(&colors, svo_i_edit_payload_of(store, children[octant]).color,
+                                 (below >> scale) + (scale > 0 ? 1u : 0u));
         }
     }
     if (mask == 0 || are_one(store, children)) {
@@ -286,7 +280,8 @@ bool svo_i_edit_join(svo_i_edit_store *store, const svo_i_edit_ref children[8], 
     if (inner == NULL) {
         return false;
     }
-    inner->node = (svo_i_edit_node){.kind = SVO_I_EDIT_INNER, .mask = (uint8_t)mask, .color = mean_get(&colors)};
+    inner->node =
+        (svo_i_edit_node){.kind = SVO_I_EDIT_INNER, .mask = (uint8_t)mask, .color = svo_i_edit_mean_color(&colors)};
     inner->voxel_count = voxel_count;
     svo_i_edit_ref *next = inner->children;
     for (uint32_t octant = 0; octant < 8; ++octant) {
@@ -352,11 +347,11 @@ static void write_payload(const svo_i_edit_cells *cells, svo_i_edit_node *node)
 
 static uint32_t mean_of(const svo_i_edit_cells *cells)
 {
-    mean colors = {.is_opaque = true};
+    svo_i_edit_sums colors = {.weight = 0};
     for (uint64_t left = cells->mask; left != 0; left &= left - 1) {
-        mean_add(&colors, cells->color[svo_i_edit_lowest(left)], 1);
+        svo_i_edit_add_color(&colors, cells->color[svo_i_edit_lowest(left)], 1);
     }
-    return mean_get(&colors);
+    return svo_i_edit_mean_color(&colors);
 }
 
 bool svo_i_edit_pack(svo_i_edit_store *store, const svo_i_edit_cells *cells, svo_i_edit_ref *out)

@@ -112,8 +112,15 @@ uint64_t svo_i_edit_store_used(const svo_i_edit_store *store);
 #define SVO_I_EDIT_SEGMENT_LOG2 17u
 const void *svo_i_edit_store_units(const svo_i_edit_store *store, uint32_t segment_index);
 
-/* The color of a node that is not empty: its voxels' one, or about their mean; opaque if all are. */
-uint32_t svo_i_edit_color_of(const svo_i_edit_store *store, svo_i_edit_ref ref);
+/* Sums over voxels, of weights below 2^46 in all. */
+typedef struct svo_i_edit_sums {
+    uint64_t weight;
+    uint64_t color[4]; /* of red, green and blue times alpha, and of alpha */
+} svo_i_edit_sums;
+
+void svo_i_edit_add_color(svo_i_edit_sums *to, uint32_t color, uint64_t weight);
+/* The mean, opaque if all is; 0 of no voxels. */
+uint32_t svo_i_edit_mean_color(const svo_i_edit_sums *of);
 
 /* The bytes of the nodes between two tops. */
 uint64_t svo_i_edit_bytes_between(uint32_t begin, uint32_t end);
@@ -126,7 +133,8 @@ void svo_i_edit_store_collect(svo_i_edit_store *store, svo_i_edit_ref *roots, si
 
 /* The kind of a node that is not empty, without the bits of blocks. */
 svo_i_edit_kind svo_i_edit_kind_of(const svo_i_edit_store *store, svo_i_edit_ref ref);
-/* The payload of a uniform node, or of a block's voxels as far as they have it in common. */
+/* The payload that the voxels of a node have in common. Where their colors differ, it has about the mean, which is
+   opaque if all are. */
 svo_i_edit_payload svo_i_edit_payload_of(const svo_i_edit_store *store, svo_i_edit_ref ref);
 /* Of a block: what its voxels do not have in common, SVO_I_EDIT_COLORS and SVO_I_EDIT_MATERIALS; 0 of other nodes. */
 uint32_t svo_i_edit_variety_of(const svo_i_edit_store *store, svo_i_edit_ref ref);

@@ -111,12 +111,6 @@ typedef struct run {
     uint16_t material;
 } run;
 
-/* Sums over the voxels below a node; its materials are the last runs. */
-typedef struct sums {
-    uint64_t weight;
-    uint64_t color[4]; /* of red, green and blue times alpha, and of alpha */
-} sums;
-
 typedef struct writer {
     const svo_i_edit_store *store;
     svo_tree *tree;
@@ -253,42 +247,13 @@ static bool merge_runs(writer *w, size_t begin, size_t middle)
 
 /* ---- payload ---- */
 
-static uint64_t rounded_quotient(uint64_t sum, uint64_t by)
-{
-    return (2 * sum + by) / (2 * by);
-}
-
-/* As svo_mean_color; 0 of no voxels. */
-static uint32_t mean_of(const sums *s)
-{
-    const uint64_t shown = s->color[3];
-    uint64_t alpha = rounded_quotient(shown, s->weight > 0 ? s->weight : 1);
-    uint32_t color = 0;
-    for (uint32_t i = 0; i < 3; ++i) {
-        color |= (uint32_t)rounded_quotient(s->color[i], shown > 0 ? shown : 1) << 8u * i;
-    }
-    alpha = alpha == 0 && shown > 0 ? 1 : alpha;
-    alpha = alpha == 255 && shown < 255 * s->weight ? 254 : alpha;
-    return color | (uint32_t)alpha << 24;
-}
-
 /* What shows of a voxel's color. */
 static uint32_t shown_color(uint32_t color)
 {
     return color >> 24 != 0 ? color : 0;
 }
 
-static void add_color(sums *to, uint32_t color, uint64_t weight)
-{
-    const uint64_t share = weight * (color >> 24);
-    to->weight += weight;
-    for (uint32_t i = 0; i < 3; ++i) {
-        to->color[i] += share * (color >> 8u * i & 255u);
-    }
-    to->color[3] += share;
-}
-
-static void add_sums(sums *to, const sums *from)
+static void add_sums(svo_i_edit_sums *to, const svo_i_edit_sums *from)
 {
     to->weight += from->weight;
     for (uint32_t i = 0; i < 4; ++i) {
@@ -297,13 +262,13 @@ static void add_sums(sums *to, const sums *from)
 }
 
 /* Writes what a node above the voxels has. run_begin: its first run. */
-static void put_payload(writer *w, uint32_t node, const sums *s, size_t run_begin)
+static void put_payload(writer *w, uint32_t node, const svo_i_edit_sums *s, size_t run_begin)
 {
     if (node < w->payload_begin) {
         return;
     }
     if (w->colors != NULL) {
-        w->colors[node - w->payload_begin] = mean_of(s);
+        w->colors[node - w->payload_begin] = svo_i_edit_mean_color(s);
     }
     if (w->materials != NULL) {
         run most = w->runs[run_begin];
@@ -323,7 +288,7 @@ static void put_masks(writer *w, uint32_t node, uint32_t level, uint32_t mask)
 }
 
 /* Full levels below a node, and that node itself. */
-static bool write_uniform(writer *w, svo_i_edit_ref ref, uint32_t level, sums *out)
+static bool write_uniform(writer *w, svo_i_edit_ref ref, uint32_t level, svo_i_edit_sums *out)
 {
     const svo_i_edit_payload payload = svo_i_edit_payload_of(w->store, ref);
     const uint64_t voxel_count = (uint64_t)1 << 3u * level;
@@ -345,16 +310,16 @@ static bool write_uniform(writer *w, svo_i_edit_ref ref, uint32_t level, sums *o
         }
         w->next[at] += node_count;
     }
-    add_color(out, payload.color, voxel_count);
+    svo_i_edit_add_color(out, payload.color, voxel_count);
     return w->materials == NULL || push_run(w, (run){voxel_count, payload.material});
 }
 
 /* run_begin: the first run of the octant. */
-static bool write_leaf(writer *w, const svo_i_edit_cells *cells, uint32_t cell, size_t run_begin, sums *out)
+static bool write_leaf(writer *w, const svo_i_edit_cells *cells, uint32_t cell, size_t run_begin, svo_i_edit_sums *out)
 {
     const uint32_t leaf = w->next[w->depth]++;
     const uint32_t color = cells->color[cell];
-    add_color(out, color, 1);
+    svo_i_edit_add_color(out, color, 1);
     if (w->colors != NULL) {
         w->colors[leaf - w->payload_begin] = shown_color(color);
     }
@@ -373,13 +338,13 @@ static bool write_leaf(writer *w, const svo_i_edit_cells *cells, uint32_t cell, 
 }
 
 /* The eight voxels of a block's octant. */
-static bool write_octant(writer *w, const svo_i_edit_cells *cells, uint32_t octant, sums *out)
+static bool write_octant(writer *w, const svo_i_edit_cells *cells, uint32_t octant, svo_i_edit_sums *out)
 {
     const uint32_t level = w->depth - 1;
     const uint32_t mask = (uint32_t)(cells->mask >> 8u * octant & 0xffu);
     const uint32_t node = w->next[level]++;
     const size_t begin = w->run_count;
-    sums own = {.weight = 0};
+    svo_i_edit_sums own = {.weight = 0};
     put_masks(w, node, level, mask);
     for (uint32_t left = mask; left != 0; left &= left - 1) {
         if (!write_leaf(w, cells, 8u * octant + svo_i_edit_lowest(left), begin, &own)) {
@@ -391,13 +356,13 @@ static bool write_octant(writer *w, const svo_i_edit_cells *cells, uint32_t octa
     return true;
 }
 
-static bool write_block(writer *w, svo_i_edit_ref ref, sums *out)
+static bool write_block(writer *w, svo_i_edit_ref ref, svo_i_edit_sums *out)
 {
     svo_i_edit_cells cells;
     const uint32_t level = w->depth - SVO_I_EDIT_BLOCK_LEVEL;
     const uint32_t node = w->next[level]++;
     const size_t begin = w->run_count;
-    sums own = {.weight = 0};
+    svo_i_edit_sums own = {.weight = 0};
     svo_i_edit_unpack(w->store, ref, &cells);
     const uint32_t octants = octants_of(cells.mask);
     put_masks(w, node, level, octants);
@@ -412,15 +377,15 @@ static bool write_block(writer *w, svo_i_edit_ref ref, sums *out)
     return true;
 }
 
-static bool write_node(writer *w, svo_i_edit_ref ref, uint32_t level, sums *out);
+static bool write_node(writer *w, svo_i_edit_ref ref, uint32_t level, svo_i_edit_sums *out);
 
-static bool write_inner(writer *w, svo_i_edit_ref ref, uint32_t level, sums *out)
+static bool write_inner(writer *w, svo_i_edit_ref ref, uint32_t level, svo_i_edit_sums *out)
 {
     svo_i_edit_ref children[8];
     const uint32_t at = w->depth - level;
     const uint32_t node = w->next[at]++;
     const size_t begin = w->run_count;
-    sums own = {.weight = 0};
+    svo_i_edit_sums own = {.weight = 0};
     uint32_t mask = 0;
     svo_i_edit_children_of(w->store, ref, children);
     for (uint32_t octant = 0; octant < 8; ++octant) {
@@ -439,7 +404,7 @@ static bool write_inner(writer *w, svo_i_edit_ref ref, uint32_t level, sums *out
 }
 
 /* Of a node that is not empty; adds its sums. */
-static bool write_node(writer *w, svo_i_edit_ref ref, uint32_t level, sums *out)
+static bool write_node(writer *w, svo_i_edit_ref ref, uint32_t level, svo_i_edit_sums *out)
 {
     const svo_i_edit_kind kind = svo_i_edit_kind_of(w->store, ref);
     const bool done = kind == SVO_I_EDIT_UNIFORM ? write_uniform(w, ref, level, out)
@@ -518,7 +483,7 @@ svo_status svo_i_edit_write_tree(const svo_i_edit_store *store, svo_i_edit_ref n
                 .told = told_by,
                 .user = user,
                 .voxel_count = svo_i_edit_voxels_of(store, node, depth)};
-    sums all = {.weight = 0};
+    svo_i_edit_sums all = {.weight = 0};
     count(&w, node, depth);
     SVO_I_TRY(take_counts(&w));
     if (!allocate(&w)) {

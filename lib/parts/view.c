@@ -13,8 +13,8 @@
 #include <xxhash.h>
 
 #include "core/struct_size.h"
+#include "plan/plan.h"
 #include "shared/nodes.clh"
-#include "svocl/plan.h"
 
 /* Bytes that are read at a time: whole elements of every array. */
 #define WINDOW_BYTES ((size_t)3 << 18)
@@ -112,17 +112,11 @@ static svo_status find_levels(svo_i_parts_view *view, const char *function, cons
 
 /* ---- its properties ---- */
 
-/* Units of trees without geometry, as plans choose them: the region's grid has as many as one of its depth. */
-static uint32_t snap_bits_of(uint32_t depth)
-{
-    return depth <= 12 ? 20 : depth + 8;
-}
-
-/* The grid of a node. */
+/* The grid of a node, in as many units as plans choose for its depth. */
 static void take_grid(svo_tree_info *info, const svo_parts_region *region)
 {
     const double edge = ldexp(info->edge, -(int)region->level);
-    const uint32_t snap_bits = snap_bits_of(info->depth);
+    const uint32_t snap_bits = svo_i_plan_snap_bits(info->depth);
     uint32_t cell[3];
     svo_deinterleave(region->code, cell);
     for (int axis = 0; axis < 3; ++axis) {

@@ -23,7 +23,11 @@ typedef struct svo_i_stage_list {
 svo_status svo_i_plan_new(svo_device *device, const char *function, const svo_i_plan_input *input, unsigned depth,
                           const svo_plan_options *options, const svo_i_stage_list *stages, svo_plan **out);
 
+SVO_I_SHARED_BEGIN
+
 /* Grid units per axis of a tree of that depth, as a power of two. */
 uint32_t svo_i_plan_snap_bits(uint32_t depth);
+
+SVO_I_SHARED_END
 
 #endif

@@ -838,6 +838,8 @@ static void mirrors_show_what_is_committed(void **state)
     step.begin[0] = -20.0; /* the grid begins elsewhere */
     assert_int_equal(svo_edit_apply(edit, &step, NULL), SVO_OK);
     assert_true(difference_of_pictures(&opened, edit, mirror, 1.0F) < 0.5);
+    succeed(&opened, svo_edit_mirror_update(mirror, NULL));
+    assert_int_equal(written_by(mirror), 0); /* nor are nodes above the edit's made again */
     assert_int_equal(svo_edit_undo(edit), SVO_OK);
     assert_int_equal(svo_edit_undo(edit), SVO_OK);
     svo_edit_forget(edit);
