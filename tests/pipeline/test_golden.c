@@ -43,10 +43,11 @@ static bool check_count(const fixture *opened, const svo_mesh *mesh, const char 
     return true;
 }
 
-/* Thin coverage at the depth of a half-open count. */
+/* Thin coverage at the depth of a half-open count. The references take most of the time: OpenCL has the even depths and
+   OpenGL the odd ones, all where tests are long. */
 static bool check_thin(const fixture *opened, const svo_mesh *mesh, const char *name, const golden_count *count)
 {
-    if (count->is_closed) {
+    if (count->is_closed || (!suite_is_long() && count->depth % 2 == (opened->frontend == opened->cl))) {
         return false;
     }
     const svo_plan_options half_open = table_options(SVO_COVERAGE_HALF_OPEN, SVO_NEED_RAYS);

@@ -36,6 +36,16 @@ svo_path fixture_path(void)
     return for_gpu ? SVO_PATH_GPU : SVO_PATH_CPU;
 }
 
+/* Keeps the first context until the process ends. PoCL 3.1 forgets its library of built-in functions with the last
+   context of a process, and takes .6 s to read it for the next one that compiles. */
+static void keep_context(cl_context context)
+{
+    static cl_context kept;
+    if (kept == NULL && clRetainContext(context) == CL_SUCCESS) {
+        kept = context;
+    }
+}
+
 static void open_device(const fixture_options *options, fixture *out)
 {
     svo_message message = {""};
@@ -48,6 +58,7 @@ static void open_device(const fixture_options *options, fixture *out)
     if (status != SVO_OK) {
         fail_msg("%s", message.text);
     }
+    keep_context(info_of_device(out->device).context);
     cl_int error = CL_SUCCESS;
     out->queue = clCreateCommandQueue(info_of_device(out->device).context, info_of_device(out->device).device,
                                       options->queue_properties, &error);
