@@ -24,7 +24,8 @@ from typing import Any, NoReturn, Optional
 import svocl
 
 from ._plan import plan_parts, stitch_parts
-from ._run import Interrupted, Refused, Share, Summary, build_parts
+from ._run import Interrupted, Refused, Summary, build_parts
+from ._security import check_address, is_refused, make_security
 from ._steps import Clock
 from ._tasks import PASSING, worker_ttl
 
@@ -77,9 +78,10 @@ def run(options: argparse.Namespace) -> int:
     times: dict[str, float] = {}
     report = Report(options.quiet)
     steps = Steps()
-    with svocl.Parts.lease(folder), contextlib.ExitStack() as opened, contextlib.closing(report):
-        most_ranges = ranges_of(options)
+    with contextlib.ExitStack() as opened, contextlib.closing(report):
         pool = Pool(options, opened, report, times)
+        opened.enter_context(svocl.Parts.lease(folder))
+        most_ranges = ranges_of(options)
         client = pool.client() if most_ranges > 1 else None
         with measured(times, "plan"):
             parts = plan_by_workers(options, folder, client, most_ranges, report, steps) if client else None
@@ -265,12 +267,13 @@ class Pool:
         self, options: argparse.Namespace, opened: contextlib.ExitStack, report: "Report", times: dict[str, float]
     ) -> None:
         self.options, self.opened, self.report, self.times = options, opened, report, times
+        self.security = security_of(options)
         self.connected: Any = None
 
     def client(self) -> Any:
         if self.connected is None:
             with measured(self.times, "start"):
-                self.connected = self.opened.enter_context(connected(self.options))
+                self.connected = self.opened.enter_context(connected(self.options, self.security))
             self.connected.subscribe_topic("all", self.report.event)
             self.opened.callback(self.connected.unsubscribe_topic, "all")
             warn_of_ttl(self.connected, self.report)
@@ -278,24 +281,38 @@ class Pool:
 
 
 @contextlib.contextmanager
-def connected(options: argparse.Namespace) -> Iterator[Any]:
+def connected(options: argparse.Namespace, security: Any) -> Iterator[Any]:
     """A client of the scheduler that was given, or of one with workers on this machine."""
     distributed = import_extra("distributed")
     with contextlib.ExitStack() as opened:
         address = options.scheduler
         if address is None:
-            cluster = start_cluster(distributed, options)
+            cluster = start_cluster(distributed, options, security)
             opened.callback(cluster.close, timeout=CLOSE_SECONDS)
             address = cluster.scheduler_address
         try:
-            client = distributed.Client(address, timeout=options.connect_timeout, set_as_default=False)
+            client = distributed.Client(
+                address, timeout=options.connect_timeout, set_as_default=False, security=security
+            )
         except (OSError, ValueError) as problem:
-            raise Failed(TRY_AGAIN, f"no scheduler answers at {address}: {problem}") from problem
+            code = FAILED if is_refused(problem) else TRY_AGAIN
+            raise Failed(code, f"no scheduler answers at {address}: {problem}") from problem
         opened.callback(client.close, timeout=CLOSE_SECONDS)
         yield client
 
 
-def start_cluster(distributed: Any, options: argparse.Namespace) -> Any:
+def security_of(options: argparse.Namespace) -> Any:
+    """The distributed.Security of all connections; None: there are no certificates."""
+    import_extra("distributed")
+    try:
+        if options.scheduler is not None:
+            check_address(options.scheduler, options.insecure)
+        return make_security(options.tls_ca, options.tls_cert, options.tls_key, options.scheduler)
+    except ValueError as problem:
+        raise Failed(WRONG_USAGE, str(problem)) from problem
+
+
+def start_cluster(distributed: Any, options: argparse.Namespace, security: Any) -> Any:
     """Workers as processes. Dask's limit of memory would kill workers in the midst of parts; --max-memory bounds
     those."""
     config = import_extra("dask.config")
@@ -309,6 +326,8 @@ def start_cluster(distributed: Any, options: argparse.Namespace) -> Any:
         memory_limit=0,
         dashboard_address=options.dashboard or "127.0.0.1:0",  # not 8787, which another scheduler may have
         silence_logs=logging.CRITICAL,
+        security=security,
+        protocol="tls://" if security else "tcp://",
     )
 
 
@@ -424,7 +443,11 @@ def read_options(arguments: Optional[list[str]] = None) -> argparse.Namespace:
     add("mesh", metavar="MESH", help="mesh file, or scene:NAME[:SIZE] where the program svocl is installed")
     add("-d", "--depth", type=read_count, required=True, help="of the tree, 1 to 16")
     add("-o", "--output", required=True, metavar="OUT.svo", help="the file; parts lie in OUT.svo.parts until the end")
-    add("--scheduler", metavar="ADDRESS", help="tcp://HOST:8786 (workers are started on this machine)")
+    add("--scheduler", metavar="ADDRESS", help="tls://HOST:8786 (workers are started on this machine)")
+    add("--tls-ca", metavar="FILE", help="PEM file of who signs the certificates of all (Dask's settings)")
+    add("--tls-cert", metavar="FILE", help="PEM file with this command's certificate, and maybe its key")
+    add("--tls-key", metavar="FILE", help="PEM file with the certificate's key")
+    add("--insecure", action="store_true", help="accept a scheduler beyond this machine without certificates")
     add(
         "--workers",
         type=read_count,
