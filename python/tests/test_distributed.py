@@ -310,6 +310,26 @@ def test_what_workers_cannot_plan_is_planned_here(pool, device, ply_file, tmp_pa
     assert len(lines) == 1 and "none of this name" in lines[0]
 
 
+def test_a_tree_above_the_nodes_of_a_file(mesh_file, whole, tmp_path):
+    """It is refused before a part is built, and its folder removed again; --parts-only makes the folder of any tree."""
+    square, path = tmp_path / "square.obj", tmp_path / "square.svo"
+    square.write_text("v 0 0 .5\nv 1 0 .5\nv 1 1 .5\nv 0 1 .5\nf 1 2 3\nf 1 3 4\n")
+    command = [sys.executable, "-m", "svocl.distributed", str(square), "-d", "16", "-o", str(path)]
+    done = subprocess.run([*command, "--max-memory", "1G"], stderr=subprocess.PIPE, text=True, timeout=SECONDS)
+    # 65536^2 leaves and a third of that above them.
+    found = re.search(r"about (\d+) nodes are expected at depth 16, above 2\^32 - 2 .*svocl.PartsTree", done.stderr)
+    assert done.returncode == 1 and found
+    assert int(found[1]) == pytest.approx(65536**2 * 4 / 3, rel=1e-4)
+    assert not list(tmp_path.glob("square.svo*"))
+    path = tmp_path / "tree.svo"
+    assert run(mesh_file, path, "--workers", "1", "--parts-only")[0] == 0 and not path.exists()
+    with svocl.PartsTree(f"{path}.parts") as tree:
+        assert tree.hash() == whole
+    code, document, _ = run(mesh_file, path, "--workers", "1")
+    assert code == 0 and document["kept"] == document["parts"]
+    expect_tree(path, whole)
+
+
 @long
 def test_a_worker_that_does_not_see_the_folder_gets_the_triangles(pool, mesh_file, whole, tmp_path):
     """Found by the worker itself: it has other files under that name, by a mount of its own."""

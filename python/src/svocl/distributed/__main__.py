@@ -23,6 +23,7 @@ from typing import Any, NoReturn, Optional
 
 import svocl
 
+from .._parts import FILE_NODES_MAX
 from ._plan import plan_parts, stitch_parts
 from ._run import Interrupted, Refused, Summary, build_parts
 from ._security import check_address, is_refused, make_security
@@ -80,6 +81,7 @@ def run(options: argparse.Namespace) -> int:
     steps = Steps()
     with contextlib.ExitStack() as opened, contextlib.closing(report):
         pool = Pool(options, opened, report, times)
+        is_new = not os.path.exists(folder)
         opened.enter_context(svocl.Parts.lease(folder))
         most_ranges = ranges_of(options)
         client = pool.client() if most_ranges > 1 else None
@@ -89,14 +91,16 @@ def run(options: argparse.Namespace) -> int:
                 with Clock(steps.add, "plan 1"):
                     parts = plan(options, folder)
         with parts:
+            check_nodes(options, parts, is_new)
             steps.note("triangles", bytes_of_triangles(parts))
             with measured(times, "build"):
                 summary = build(options, parts, pool.client(), report, steps)
             steps.note("parts", bytes_of_parts(parts))
             with measured(times, "stitch"):
-                finish(options, parts, pool.client(), report, steps)
-            steps.note("file", os.path.getsize(options.output))
-        if not options.keep:
+                if not options.parts_only:
+                    finish(options, parts, pool.client(), report, steps)
+                    steps.note("file", os.path.getsize(options.output))
+        if not options.keep and not options.parts_only:
             svocl.Parts.remove(folder)
     if options.times:
         steps.save(options.times, times)
@@ -177,6 +181,18 @@ def plan_by_program(options: argparse.Namespace) -> None:
     done = subprocess.run(command, stdin=subprocess.DEVNULL)
     if done.returncode != 0:
         raise Failed(done.returncode if done.returncode > 0 else FAILED, f"this failed: {' '.join(command)}")
+
+
+def check_nodes(options: argparse.Namespace, parts: svocl.Parts, is_new: bool) -> None:
+    """A tree that cannot be stitched is refused before its parts are built."""
+    if parts.expected_nodes > FILE_NODES_MAX and not options.parts_only:
+        if is_new:
+            svocl.Parts.remove(parts.folder)
+        raise Failed(
+            FAILED,
+            f"{options.mesh}: about {parts.expected_nodes:.0f} nodes are expected at depth {options.depth}, above "
+            "2^32 - 2 of a .svo file; --parts-only builds a folder, which svocl.PartsTree reads as a tree in itself",
+        )
 
 
 def bytes_of_parts(parts: svocl.Parts) -> int:
@@ -394,7 +410,8 @@ def tell(options: argparse.Namespace, summary: Summary, times: dict[str, float])
         print(json.dumps({**document, "model_seconds": model}))
     elif not options.quiet:
         took = ", ".join(f"{name} {seconds:.2f} s" for name, seconds in times.items())
-        print(f"{options.output}: {summary.parts} parts, {summary.kept} of them kept, {len(summary.workers)} workers")
+        made = f"{options.output}.parts" if options.parts_only else options.output
+        print(f"{made}: {summary.parts} parts, {summary.kept} of them kept, {len(summary.workers)} workers")
         print(f"{took}; plan, busiest worker and stitch {model:.2f} s")
 
 
@@ -478,6 +495,8 @@ def read_options(arguments: Optional[list[str]] = None) -> argparse.Namespace:
     add("--connect-timeout", type=float, default=30.0, metavar="S", help="seconds to wait for the scheduler (30)")
     add("--program", default="svocl", metavar="SVOCL", help="the program that makes scene:NAME")
     add("--keep", action="store_true", help="keep OUT.svo.parts")
+    add("--parts-only", action="store_true", help="build OUT.svo.parts, which is a tree in itself, and no OUT.svo; for "
+        "trees of more than 2^32 - 2 nodes")  # fmt: skip
     add("--json", action="store_true", help="print times and workers as JSON")
     add("-q", "--quiet", action="store_true", help="no bar and no lines but errors")
     return parser.parse_args(arguments)
