@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 
+import pytest
 import shapes
 
 import svocl
@@ -17,6 +18,8 @@ PART_BYTES = 200 << 10
 FAULTS = os.path.join(os.path.dirname(__file__), "worker_faults.py")
 SECONDS = 120
 """Every wait of the tests ends."""
+
+long = pytest.mark.skipif("SVOCL_LONG_TESTS" not in os.environ, reason="long: run by `tools/dev long`")
 
 
 def write_torus(path):

@@ -18,7 +18,7 @@ import time
 import numpy as np
 import pytest
 import shapes
-from cluster import DEPTH, PART_BYTES, SECONDS, Pool, expect_tree, finish, run, start, write_torus
+from cluster import DEPTH, PART_BYTES, SECONDS, Pool, expect_tree, finish, long, run, start, write_torus
 
 import svocl
 from svocl.distributed import _run, _tasks, model, plan_parts
@@ -27,8 +27,6 @@ from svocl.distributed.__main__ import read_options
 pytest.importorskip("distributed", reason="Dask's distributed is not installed (pip install distributed)")
 pytest.importorskip("tqdm", reason="tqdm is not installed (pip install tqdm)")
 pytestmark = pytest.mark.skipif(not svocl.has_io, reason="built without svocl::io")
-
-long = pytest.mark.skipif("SVOCL_LONG_TESTS" not in os.environ, reason="long: run by `tools/dev long`")
 
 
 @pytest.fixture(scope="module")

@@ -16,5 +16,6 @@ goes on from there when it is started again.
 
 from ._plan import plan_parts, stitch_parts
 from ._run import Interrupted, Refused, Share, Summary, build_parts
+from ._store import StoredParts
 
-__all__ = ["Interrupted", "Refused", "Share", "Summary", "build_parts", "plan_parts", "stitch_parts"]
+__all__ = ["Interrupted", "Refused", "Share", "StoredParts", "Summary", "build_parts", "plan_parts", "stitch_parts"]

@@ -28,6 +28,7 @@ from ._plan import plan_parts, stitch_parts
 from ._run import Interrupted, Refused, Summary, build_parts
 from ._security import check_address, is_refused, make_security
 from ._steps import Clock
+from ._store import Places, is_url, without_file_scheme
 from ._tasks import PASSING, worker_ttl
 
 DONE, FAILED, WRONG_USAGE, TRY_AGAIN, STOPPED = 0, 1, 2, 75, 130
@@ -75,33 +76,31 @@ def main() -> int:
 
 
 def run(options: argparse.Namespace) -> int:
-    folder = f"{options.output}.parts"
     times: dict[str, float] = {}
     report = Report(options.quiet)
     steps = Steps()
     with contextlib.ExitStack() as opened, contextlib.closing(report):
         pool = Pool(options, opened, report, times)
+        places = Places(options.output, options.parts, options.scratch, opened)
+        folder = places.folder
         is_new = not os.path.exists(folder)
         opened.enter_context(svocl.Parts.lease(folder))
-        most_ranges = ranges_of(options)
-        client = pool.client() if most_ranges > 1 else None
-        with measured(times, "plan"):
-            parts = plan_by_workers(options, folder, client, most_ranges, report, steps) if client else None
-            if parts is None:
-                with Clock(steps.add, "plan 1"):
-                    parts = plan(options, folder)
-        with parts:
+        with measured(times, "plan"), places.planning(report.line):
+            parts = opened.enter_context(plan_all(options, places, pool, report, steps))
             check_nodes(options, parts, is_new)
+            places.publish(parts)
+        with parts:
             steps.note("triangles", bytes_of_triangles(parts))
             with measured(times, "build"):
-                summary = build(options, parts, pool.client(), report, steps)
+                summary = build(options, parts, pool.client(), report, steps, places)
             steps.note("parts", bytes_of_parts(parts))
             with measured(times, "stitch"):
                 if not options.parts_only:
-                    finish(options, parts, pool.client(), report, steps)
-                    steps.note("file", os.path.getsize(options.output))
+                    finish(options, parts, pool.client(), report, steps, places)
+                    steps.note("file", os.path.getsize(places.output))
+                    places.put_output()
         if not options.keep and not options.parts_only:
-            svocl.Parts.remove(folder)
+            places.remove()
     if options.times:
         steps.save(options.times, times)
     tell(options, summary, times)
@@ -133,10 +132,24 @@ def plan_options(options: argparse.Namespace) -> dict[str, Any]:
     }
 
 
+def plan_all(
+    options: argparse.Namespace, places: Places, pool: "Pool", report: "Report", steps: "Steps"
+) -> svocl.Parts:
+    """Fills the folder: by workers, where it is worth it and they can see it, else in this process."""
+    most_ranges = 1 if places.stored else ranges_of(options)
+    parts = None
+    if most_ranges > 1:
+        parts = plan_by_workers(options, places.folder, pool.client(), most_ranges, report, steps)
+    if parts is None:
+        with Clock(steps.add, "plan 1"):
+            parts = plan(options, places.folder)
+    return parts
+
+
 def plan(options: argparse.Namespace, folder: str) -> svocl.Parts:
     """Fills the folder in this process. Generated meshes are the program's."""
     if options.mesh.startswith("scene:"):
-        plan_by_program(options)
+        plan_by_program(options, folder)
         return svocl.Parts(folder)
     with svocl.Device(options.device) as device:
         return svocl.Parts.create_from_file(
@@ -169,11 +182,13 @@ def plan_by_workers(
             )
 
 
-def plan_by_program(options: argparse.Namespace) -> None:
+def plan_by_program(options: argparse.Namespace, folder: str) -> None:
     program = shutil.which(options.program)
+    if not folder.endswith(".parts"):
+        raise Failed(WRONG_USAGE, f"{folder}: the folder of parts of a generated mesh has a name that ends in .parts")
     if program is None:
         raise Failed(WRONG_USAGE, f"{options.mesh}: generated meshes need the program {options.program}; see --program")
-    command = [program, "parts", "plan", options.mesh, "-d", str(options.depth), "-o", options.output, "--quiet"]
+    command = [program, "parts", "plan", options.mesh, "-d", str(options.depth), "-o", folder[:-6], "--quiet"]
     command += ["--coverage", options.coverage, "--weights", options.weights]
     command += ["--max-memory", str(options.max_memory)] if options.max_memory else []
     command += ["--need", ",".join(options.need)] if options.need else []
@@ -204,39 +219,55 @@ def bytes_of_triangles(parts: svocl.Parts) -> int:
     return sum(entry.stat().st_size for entry in os.scandir(place) if entry.name.endswith(".tri"))
 
 
-def shares_of(options: argparse.Namespace, parts: svocl.Parts, client: Any) -> int:
+def shares_of(options: argparse.Namespace, parts: svocl.Parts, client: Any, places: Places) -> int:
     """How many shares of the file workers write; 1: this process writes all."""
-    is_beside = os.stat(parts.folder).st_dev == os.stat(os.path.dirname(os.path.realpath(options.output))).st_dev
-    if options.no_shared_folder or not is_beside:
+    is_beside = os.stat(parts.folder).st_dev == os.stat(os.path.dirname(os.path.realpath(places.output))).st_dev
+    if options.no_shared_folder or places.stored or not is_beside:
         return 1
     threads = sum(client.ncores().values())
     return int(options.shares or max(1, min(bytes_of_parts(parts) // SHARE_BYTES, 2 * threads)))
 
 
-def finish(options: argparse.Namespace, parts: svocl.Parts, client: Any, report: "Report", steps: "Steps") -> None:
+def finish(
+    options: argparse.Namespace,
+    parts: svocl.Parts,
+    client: Any,
+    report: "Report",
+    steps: "Steps",
+    places: Places,
+) -> None:
     """Stitches. What is missing or damaged by then is built by the next try."""
     try:
-        shares = shares_of(options, parts, client)
+        shares = shares_of(options, parts, client, places)
         if shares == 1:
             with Clock(steps.add, "stitch"):
-                parts.finish(options.output)
+                parts.finish(places.output)
         else:
             stitch_parts(
                 client,
                 parts,
-                options.output,
+                places.output,
                 shares,
                 patience=options.patience,
                 report=report.line,
                 record=steps.add,
             )
     except (svocl.FileError, svocl.FileDamagedError) as problem:
-        if all(parts.is_built(index) for index in range(len(parts))):
+        missing = [index for index in range(len(parts)) if not parts.is_built(index)]
+        if not missing:
             raise
+        places.discard(parts, missing)
         raise Interrupted(f"{problem}; the same command builds it") from problem
 
 
-def build(options: argparse.Namespace, parts: svocl.Parts, client: Any, report: "Report", steps: "Steps") -> Summary:
+def build(
+    options: argparse.Namespace,
+    parts: svocl.Parts,
+    client: Any,
+    report: "Report",
+    steps: "Steps",
+    places: Places,
+) -> Summary:
     return build_parts(
         client,
         parts,
@@ -245,6 +276,7 @@ def build(options: argparse.Namespace, parts: svocl.Parts, client: Any, report: 
         patience=options.patience,
         report=report.parts,
         record=steps.add,
+        stored=places.stored,
     )
 
 
@@ -410,7 +442,7 @@ def tell(options: argparse.Namespace, summary: Summary, times: dict[str, float])
         print(json.dumps({**document, "model_seconds": model}))
     elif not options.quiet:
         took = ", ".join(f"{name} {seconds:.2f} s" for name, seconds in times.items())
-        made = f"{options.output}.parts" if options.parts_only else options.output
+        made = options.parts if options.parts_only else options.output
         print(f"{made}: {summary.parts} parts, {summary.kept} of them kept, {len(summary.workers)} workers")
         print(f"{took}; plan, busiest worker and stitch {model:.2f} s")
 
@@ -459,7 +491,9 @@ def read_options(arguments: Optional[list[str]] = None) -> argparse.Namespace:
     add = parser.add_argument
     add("mesh", metavar="MESH", help="mesh file, or scene:NAME[:SIZE] where the program svocl is installed")
     add("-d", "--depth", type=read_count, required=True, help="of the tree, 1 to 16")
-    add("-o", "--output", required=True, metavar="OUT.svo", help="the file; parts lie in OUT.svo.parts until the end")
+    add("-o", "--output", required=True, metavar="OUT.svo", help="the file, by name or by URL: s3://BUCKET/OUT.svo")
+    add("--parts", metavar="FOLDER", help="where parts lie until the end, by name or by URL (OUT.svo.parts)")
+    add("--scratch", metavar="FOLDER", help="on a disk, for this machine's copy of what has a URL ($TMPDIR)")
     add("--scheduler", metavar="ADDRESS", help="tls://HOST:8786 (workers are started on this machine)")
     add("--tls-ca", metavar="FILE", help="PEM file of who signs the certificates of all (Dask's settings)")
     add("--tls-cert", metavar="FILE", help="PEM file with this command's certificate, and maybe its key")
@@ -499,7 +533,15 @@ def read_options(arguments: Optional[list[str]] = None) -> argparse.Namespace:
         "trees of more than 2^32 - 2 nodes")  # fmt: skip
     add("--json", action="store_true", help="print times and workers as JSON")
     add("-q", "--quiet", action="store_true", help="no bar and no lines but errors")
-    return parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
+    options.output = without_file_scheme(options.output)
+    options.parts = without_file_scheme(options.parts or f"{options.output}.parts")
+    for url in (options.output, options.parts):
+        if url.startswith("memory://"):
+            parser.error(f"{url}: workers are other processes, which do not see this one's memory")
+    if options.parts_only and is_url(options.parts):
+        parser.error(f"{options.parts}: a folder that is to be read as a tree must be on a disk")
+    return options
 
 
 if __name__ == "__main__":
