@@ -18,6 +18,7 @@ import time
 import numpy as np
 import pytest
 import shapes
+from cluster import DEPTH, PART_BYTES, SECONDS, Pool, expect_tree, finish, long, run, start, write_torus
 
 import svocl
 from svocl.distributed import _run, _tasks, model, plan_parts
@@ -27,23 +28,10 @@ pytest.importorskip("distributed", reason="Dask's distributed is not installed (
 pytest.importorskip("tqdm", reason="tqdm is not installed (pip install tqdm)")
 pytestmark = pytest.mark.skipif(not svocl.has_io, reason="built without svocl::io")
 
-DEPTH = 6
-PART_BYTES = 200 << 10
-FAULTS = os.path.join(os.path.dirname(__file__), "worker_faults.py")
-SECONDS = 120
-"""Every wait of the tests ends."""
-
-long = pytest.mark.skipif("SVOCL_LONG_TESTS" not in os.environ, reason="long: run by `tools/dev long`")
-
 
 @pytest.fixture(scope="module")
 def mesh_file(tmp_path_factory):
-    positions, indices = shapes.torus(48, 24)
-    lines = ["v {} {} {}".format(*place) for place in positions]
-    lines += ["f {} {} {}".format(*(triangle + 1)) for triangle in indices]
-    path = tmp_path_factory.mktemp("mesh") / "torus.obj"
-    path.write_text("\n".join(lines) + "\n")
-    return path
+    return write_torus(tmp_path_factory.mktemp("mesh") / "torus.obj")
 
 
 @pytest.fixture(scope="module")
@@ -72,56 +60,6 @@ def ply_file(mesh_file):
     return path
 
 
-class Pool:
-    """A scheduler and its workers, ended with the test."""
-
-    def __init__(self, folder, address=None):
-        self.folder, self.address, self.processes = folder, address, []
-        self.environment = dict(os.environ)
-        self.environment["DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES"] = "1"
-        self.environment["DASK_DISTRIBUTED__SCHEDULER__WORKER_SATURATION"] = "1.0"
-        self.environment["DASK_TEMPORARY_DIRECTORY"] = str(folder)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        for process in self.processes:
-            if process.poll() is None:
-                os.killpg(process.pid, signal.SIGCONT)
-                os.killpg(process.pid, signal.SIGKILL)
-            process.wait(SECONDS)
-
-    def _start(self, command, fault="", within=()):
-        environment = dict(self.environment, SVOCL_FAULT=fault)
-        with open(self.folder / f"log{len(self.processes)}", "w") as log:
-            command = [*within, sys.executable, "-m", *command, "--no-dashboard"]
-            self.processes.append(
-                subprocess.Popen(
-                    command, stdout=log, stderr=log, env=environment, cwd=self.folder, start_new_session=True
-                )
-            )
-        return self.processes[-1]
-
-    def scheduler(self, host="127.0.0.1", ttl="30s"):
-        """ttl: after so long without a word from a worker it is given up, but never before 5 s."""
-        self.environment["DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL"] = ttl
-        file = self.folder / f"scheduler{len(self.processes)}.json"
-        command = ["distributed.cli.dask_scheduler", "--host", host, "--port", "0", "--scheduler-file", str(file)]
-        process = self._start(command)
-        end = time.monotonic() + SECONDS
-        while not file.exists() or not file.read_text().endswith("}"):
-            assert time.monotonic() < end and process.poll() is None, "the scheduler does not start"
-            time.sleep(0.02)
-        self.address = json.loads(file.read_text())["address"]
-        return process
-
-    def worker(self, fault="", nanny=False, within=()):
-        command = ["distributed.cli.dask_worker", self.address, "--nthreads", "1", "--memory-limit", "0"]
-        command += ["--preload", FAULTS, "--nanny" if nanny else "--no-nanny"]
-        return self._start(command, fault, within)
-
-
 @pytest.fixture(scope="module")
 def scheduler(tmp_path_factory):
     """For tests that leave it alive."""
@@ -134,32 +72,6 @@ def scheduler(tmp_path_factory):
 def pool(scheduler, tmp_path):
     with Pool(tmp_path, scheduler) as made:
         yield made
-
-
-def start(mesh_file, path, *options):
-    """The command; finish() waits for it."""
-    command = [sys.executable, "-m", "svocl.distributed", str(mesh_file), "-d", str(DEPTH), "-o", str(path)]
-    command += ["--max-memory", str(PART_BYTES), "--json", *options]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-
-
-def finish(process):
-    try:
-        output, errors = process.communicate(timeout=SECONDS)
-    finally:
-        process.kill()
-    print(errors)
-    return process.returncode, json.loads(output) if output else None, errors
-
-
-def run(*arguments):
-    return finish(start(*arguments))
-
-
-def expect_tree(path, whole):
-    with svocl.Tree.load(path) as tree:
-        assert tree.hash() == whole
-    assert not os.path.exists(f"{path}.parts")
 
 
 # --- parts ----------------------------------------------------------------------------------------------------------
@@ -394,6 +306,26 @@ def test_what_workers_cannot_plan_is_planned_here(pool, device, ply_file, tmp_pa
             with plan_parts(client, planning, device, report=lines.append) as parts:
                 assert len(parts) > 10
     assert len(lines) == 1 and "none of this name" in lines[0]
+
+
+def test_a_tree_above_the_nodes_of_a_file(mesh_file, whole, tmp_path):
+    """It is refused before a part is built, and its folder removed again; --parts-only makes the folder of any tree."""
+    square, path = tmp_path / "square.obj", tmp_path / "square.svo"
+    square.write_text("v 0 0 .5\nv 1 0 .5\nv 1 1 .5\nv 0 1 .5\nf 1 2 3\nf 1 3 4\n")
+    command = [sys.executable, "-m", "svocl.distributed", str(square), "-d", "16", "-o", str(path)]
+    done = subprocess.run([*command, "--max-memory", "1G"], stderr=subprocess.PIPE, text=True, timeout=SECONDS)
+    # 65536^2 leaves and a third of that above them.
+    found = re.search(r"about (\d+) nodes are expected at depth 16, above 2\^32 - 2 .*svocl.PartsTree", done.stderr)
+    assert done.returncode == 1 and found
+    assert int(found[1]) == pytest.approx(65536**2 * 4 / 3, rel=1e-4)
+    assert not list(tmp_path.glob("square.svo*"))
+    path = tmp_path / "tree.svo"
+    assert run(mesh_file, path, "--workers", "1", "--parts-only")[0] == 0 and not path.exists()
+    with svocl.PartsTree(f"{path}.parts") as tree:
+        assert tree.hash() == whole
+    code, document, _ = run(mesh_file, path, "--workers", "1")
+    assert code == 0 and document["kept"] == document["parts"]
+    expect_tree(path, whole)
 
 
 @long

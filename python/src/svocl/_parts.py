@@ -17,6 +17,9 @@ from ._handle import Guard, Handle, Native
 from ._mesh import Path, encode, mesh_of, need_io, read_mesh
 from ._native import ffi, lib
 
+FILE_NODES_MAX = (1 << 32) - 2
+"""Nodes of a .svo file, at most."""
+
 
 class PartEntry(NamedTuple):
     """A part of the list."""
@@ -209,6 +212,14 @@ class Parts(Handle):
         out = ffi.new("char[]", lib.SVO_PARTS_IDENTITY_BYTES)
         self._ask(lib.svo_parts_get_identity, out)
         return text(out)
+
+    @property
+    def expected_nodes(self) -> float:
+        """Of the whole tree, as estimated from the mesh. More than FILE_NODES_MAX do not fit a .svo file: the folder
+        alone is such a tree, see PartsTree."""
+        header = _structs.new("svo_part_header")
+        self._ask(lib.svo_parts_get_header, header)
+        return float(header.expected_nodes)
 
     @property
     def entries(self) -> list[PartEntry]:

@@ -2,7 +2,7 @@
 """Trees in parts on Dask's distributed scheduler: pip install 'svocl[distributed]'.
 
     python -m svocl.distributed model.ply -d 14 -o model.svo                       # workers on this machine
-    python -m svocl.distributed model.ply -d 14 -o model.svo --scheduler tcp://head:8786
+    python -m svocl.distributed model.ply -d 14 -o model.svo --scheduler tls://head:8786
 
     with svocl.PartsPlanning(device, "/shared/model.ply", 14, "/shared/model.svo.parts", 2 << 30, 64) as planning:
         parts = svocl.distributed.plan_parts(client, planning, device)  # a distributed.Client
@@ -16,5 +16,6 @@ goes on from there when it is started again.
 
 from ._plan import plan_parts, stitch_parts
 from ._run import Interrupted, Refused, Share, Summary, build_parts
+from ._store import StoredParts
 
-__all__ = ["Interrupted", "Refused", "Share", "Summary", "build_parts", "plan_parts", "stitch_parts"]
+__all__ = ["Interrupted", "Refused", "Share", "StoredParts", "Summary", "build_parts", "plan_parts", "stitch_parts"]

@@ -23,9 +23,12 @@ from typing import Any, NoReturn, Optional
 
 import svocl
 
+from .._parts import FILE_NODES_MAX
 from ._plan import plan_parts, stitch_parts
-from ._run import Interrupted, Refused, Share, Summary, build_parts
+from ._run import Interrupted, Refused, Summary, build_parts
+from ._security import check_address, is_refused, make_security
 from ._steps import Clock
+from ._store import Places, is_url, without_file_scheme
 from ._tasks import PASSING, worker_ttl
 
 DONE, FAILED, WRONG_USAGE, TRY_AGAIN, STOPPED = 0, 1, 2, 75, 130
@@ -73,29 +76,31 @@ def main() -> int:
 
 
 def run(options: argparse.Namespace) -> int:
-    folder = f"{options.output}.parts"
     times: dict[str, float] = {}
     report = Report(options.quiet)
     steps = Steps()
-    with svocl.Parts.lease(folder), contextlib.ExitStack() as opened, contextlib.closing(report):
-        most_ranges = ranges_of(options)
+    with contextlib.ExitStack() as opened, contextlib.closing(report):
         pool = Pool(options, opened, report, times)
-        client = pool.client() if most_ranges > 1 else None
-        with measured(times, "plan"):
-            parts = plan_by_workers(options, folder, client, most_ranges, report, steps) if client else None
-            if parts is None:
-                with Clock(steps.add, "plan 1"):
-                    parts = plan(options, folder)
+        places = Places(options.output, options.parts, options.scratch, opened)
+        folder = places.folder
+        is_new = not os.path.exists(folder)
+        opened.enter_context(svocl.Parts.lease(folder))
+        with measured(times, "plan"), places.planning(report.line):
+            parts = opened.enter_context(plan_all(options, places, pool, report, steps))
+            check_nodes(options, parts, is_new)
+            places.publish(parts)
         with parts:
             steps.note("triangles", bytes_of_triangles(parts))
             with measured(times, "build"):
-                summary = build(options, parts, pool.client(), report, steps)
+                summary = build(options, parts, pool.client(), report, steps, places)
             steps.note("parts", bytes_of_parts(parts))
             with measured(times, "stitch"):
-                finish(options, parts, pool.client(), report, steps)
-            steps.note("file", os.path.getsize(options.output))
-        if not options.keep:
-            svocl.Parts.remove(folder)
+                if not options.parts_only:
+                    finish(options, parts, pool.client(), report, steps, places)
+                    steps.note("file", os.path.getsize(places.output))
+                    places.put_output()
+        if not options.keep and not options.parts_only:
+            places.remove()
     if options.times:
         steps.save(options.times, times)
     tell(options, summary, times)
@@ -127,10 +132,24 @@ def plan_options(options: argparse.Namespace) -> dict[str, Any]:
     }
 
 
+def plan_all(
+    options: argparse.Namespace, places: Places, pool: "Pool", report: "Report", steps: "Steps"
+) -> svocl.Parts:
+    """Fills the folder: by workers, where it is worth it and they can see it, else in this process."""
+    most_ranges = 1 if places.stored else ranges_of(options)
+    parts = None
+    if most_ranges > 1:
+        parts = plan_by_workers(options, places.folder, pool.client(), most_ranges, report, steps)
+    if parts is None:
+        with Clock(steps.add, "plan 1"):
+            parts = plan(options, places.folder)
+    return parts
+
+
 def plan(options: argparse.Namespace, folder: str) -> svocl.Parts:
     """Fills the folder in this process. Generated meshes are the program's."""
     if options.mesh.startswith("scene:"):
-        plan_by_program(options)
+        plan_by_program(options, folder)
         return svocl.Parts(folder)
     with svocl.Device(options.device) as device:
         return svocl.Parts.create_from_file(
@@ -163,11 +182,13 @@ def plan_by_workers(
             )
 
 
-def plan_by_program(options: argparse.Namespace) -> None:
+def plan_by_program(options: argparse.Namespace, folder: str) -> None:
     program = shutil.which(options.program)
+    if not folder.endswith(".parts"):
+        raise Failed(WRONG_USAGE, f"{folder}: the folder of parts of a generated mesh has a name that ends in .parts")
     if program is None:
         raise Failed(WRONG_USAGE, f"{options.mesh}: generated meshes need the program {options.program}; see --program")
-    command = [program, "parts", "plan", options.mesh, "-d", str(options.depth), "-o", options.output, "--quiet"]
+    command = [program, "parts", "plan", options.mesh, "-d", str(options.depth), "-o", folder[:-6], "--quiet"]
     command += ["--coverage", options.coverage, "--weights", options.weights]
     command += ["--max-memory", str(options.max_memory)] if options.max_memory else []
     command += ["--need", ",".join(options.need)] if options.need else []
@@ -175,6 +196,18 @@ def plan_by_program(options: argparse.Namespace) -> None:
     done = subprocess.run(command, stdin=subprocess.DEVNULL)
     if done.returncode != 0:
         raise Failed(done.returncode if done.returncode > 0 else FAILED, f"this failed: {' '.join(command)}")
+
+
+def check_nodes(options: argparse.Namespace, parts: svocl.Parts, is_new: bool) -> None:
+    """A tree that cannot be stitched is refused before its parts are built."""
+    if parts.expected_nodes > FILE_NODES_MAX and not options.parts_only:
+        if is_new:
+            svocl.Parts.remove(parts.folder)
+        raise Failed(
+            FAILED,
+            f"{options.mesh}: about {parts.expected_nodes:.0f} nodes are expected at depth {options.depth}, above "
+            "2^32 - 2 of a .svo file; --parts-only builds a folder, which svocl.PartsTree reads as a tree in itself",
+        )
 
 
 def bytes_of_parts(parts: svocl.Parts) -> int:
@@ -186,39 +219,55 @@ def bytes_of_triangles(parts: svocl.Parts) -> int:
     return sum(entry.stat().st_size for entry in os.scandir(place) if entry.name.endswith(".tri"))
 
 
-def shares_of(options: argparse.Namespace, parts: svocl.Parts, client: Any) -> int:
+def shares_of(options: argparse.Namespace, parts: svocl.Parts, client: Any, places: Places) -> int:
     """How many shares of the file workers write; 1: this process writes all."""
-    is_beside = os.stat(parts.folder).st_dev == os.stat(os.path.dirname(os.path.realpath(options.output))).st_dev
-    if options.no_shared_folder or not is_beside:
+    is_beside = os.stat(parts.folder).st_dev == os.stat(os.path.dirname(os.path.realpath(places.output))).st_dev
+    if options.no_shared_folder or places.stored or not is_beside:
         return 1
     threads = sum(client.ncores().values())
     return int(options.shares or max(1, min(bytes_of_parts(parts) // SHARE_BYTES, 2 * threads)))
 
 
-def finish(options: argparse.Namespace, parts: svocl.Parts, client: Any, report: "Report", steps: "Steps") -> None:
+def finish(
+    options: argparse.Namespace,
+    parts: svocl.Parts,
+    client: Any,
+    report: "Report",
+    steps: "Steps",
+    places: Places,
+) -> None:
     """Stitches. What is missing or damaged by then is built by the next try."""
     try:
-        shares = shares_of(options, parts, client)
+        shares = shares_of(options, parts, client, places)
         if shares == 1:
             with Clock(steps.add, "stitch"):
-                parts.finish(options.output)
+                parts.finish(places.output)
         else:
             stitch_parts(
                 client,
                 parts,
-                options.output,
+                places.output,
                 shares,
                 patience=options.patience,
                 report=report.line,
                 record=steps.add,
             )
     except (svocl.FileError, svocl.FileDamagedError) as problem:
-        if all(parts.is_built(index) for index in range(len(parts))):
+        missing = [index for index in range(len(parts)) if not parts.is_built(index)]
+        if not missing:
             raise
+        places.discard(parts, missing)
         raise Interrupted(f"{problem}; the same command builds it") from problem
 
 
-def build(options: argparse.Namespace, parts: svocl.Parts, client: Any, report: "Report", steps: "Steps") -> Summary:
+def build(
+    options: argparse.Namespace,
+    parts: svocl.Parts,
+    client: Any,
+    report: "Report",
+    steps: "Steps",
+    places: Places,
+) -> Summary:
     return build_parts(
         client,
         parts,
@@ -227,6 +276,7 @@ def build(options: argparse.Namespace, parts: svocl.Parts, client: Any, report: 
         patience=options.patience,
         report=report.parts,
         record=steps.add,
+        stored=places.stored,
     )
 
 
@@ -265,12 +315,13 @@ class Pool:
         self, options: argparse.Namespace, opened: contextlib.ExitStack, report: "Report", times: dict[str, float]
     ) -> None:
         self.options, self.opened, self.report, self.times = options, opened, report, times
+        self.security = security_of(options)
         self.connected: Any = None
 
     def client(self) -> Any:
         if self.connected is None:
             with measured(self.times, "start"):
-                self.connected = self.opened.enter_context(connected(self.options))
+                self.connected = self.opened.enter_context(connected(self.options, self.security))
             self.connected.subscribe_topic("all", self.report.event)
             self.opened.callback(self.connected.unsubscribe_topic, "all")
             warn_of_ttl(self.connected, self.report)
@@ -278,24 +329,38 @@ class Pool:
 
 
 @contextlib.contextmanager
-def connected(options: argparse.Namespace) -> Iterator[Any]:
+def connected(options: argparse.Namespace, security: Any) -> Iterator[Any]:
     """A client of the scheduler that was given, or of one with workers on this machine."""
     distributed = import_extra("distributed")
     with contextlib.ExitStack() as opened:
         address = options.scheduler
         if address is None:
-            cluster = start_cluster(distributed, options)
+            cluster = start_cluster(distributed, options, security)
             opened.callback(cluster.close, timeout=CLOSE_SECONDS)
             address = cluster.scheduler_address
         try:
-            client = distributed.Client(address, timeout=options.connect_timeout, set_as_default=False)
+            client = distributed.Client(
+                address, timeout=options.connect_timeout, set_as_default=False, security=security
+            )
         except (OSError, ValueError) as problem:
-            raise Failed(TRY_AGAIN, f"no scheduler answers at {address}: {problem}") from problem
+            code = FAILED if is_refused(problem) else TRY_AGAIN
+            raise Failed(code, f"no scheduler answers at {address}: {problem}") from problem
         opened.callback(client.close, timeout=CLOSE_SECONDS)
         yield client
 
 
-def start_cluster(distributed: Any, options: argparse.Namespace) -> Any:
+def security_of(options: argparse.Namespace) -> Any:
+    """The distributed.Security of all connections; None: there are no certificates."""
+    import_extra("distributed")
+    try:
+        if options.scheduler is not None:
+            check_address(options.scheduler, options.insecure)
+        return make_security(options.tls_ca, options.tls_cert, options.tls_key, options.scheduler)
+    except ValueError as problem:
+        raise Failed(WRONG_USAGE, str(problem)) from problem
+
+
+def start_cluster(distributed: Any, options: argparse.Namespace, security: Any) -> Any:
     """Workers as processes. Dask's limit of memory would kill workers in the midst of parts; --max-memory bounds
     those."""
     config = import_extra("dask.config")
@@ -309,6 +374,8 @@ def start_cluster(distributed: Any, options: argparse.Namespace) -> Any:
         memory_limit=0,
         dashboard_address=options.dashboard or "127.0.0.1:0",  # not 8787, which another scheduler may have
         silence_logs=logging.CRITICAL,
+        security=security,
+        protocol="tls://" if security else "tcp://",
     )
 
 
@@ -375,7 +442,8 @@ def tell(options: argparse.Namespace, summary: Summary, times: dict[str, float])
         print(json.dumps({**document, "model_seconds": model}))
     elif not options.quiet:
         took = ", ".join(f"{name} {seconds:.2f} s" for name, seconds in times.items())
-        print(f"{options.output}: {summary.parts} parts, {summary.kept} of them kept, {len(summary.workers)} workers")
+        made = options.parts if options.parts_only else options.output
+        print(f"{made}: {summary.parts} parts, {summary.kept} of them kept, {len(summary.workers)} workers")
         print(f"{took}; plan, busiest worker and stitch {model:.2f} s")
 
 
@@ -423,8 +491,14 @@ def read_options(arguments: Optional[list[str]] = None) -> argparse.Namespace:
     add = parser.add_argument
     add("mesh", metavar="MESH", help="mesh file, or scene:NAME[:SIZE] where the program svocl is installed")
     add("-d", "--depth", type=read_count, required=True, help="of the tree, 1 to 16")
-    add("-o", "--output", required=True, metavar="OUT.svo", help="the file; parts lie in OUT.svo.parts until the end")
-    add("--scheduler", metavar="ADDRESS", help="tcp://HOST:8786 (workers are started on this machine)")
+    add("-o", "--output", required=True, metavar="OUT.svo", help="the file, by name or by URL: s3://BUCKET/OUT.svo")
+    add("--parts", metavar="FOLDER", help="where parts lie until the end, by name or by URL (OUT.svo.parts)")
+    add("--scratch", metavar="FOLDER", help="on a disk, for this machine's copy of what has a URL ($TMPDIR)")
+    add("--scheduler", metavar="ADDRESS", help="tls://HOST:8786 (workers are started on this machine)")
+    add("--tls-ca", metavar="FILE", help="PEM file of who signs the certificates of all (Dask's settings)")
+    add("--tls-cert", metavar="FILE", help="PEM file with this command's certificate, and maybe its key")
+    add("--tls-key", metavar="FILE", help="PEM file with the certificate's key")
+    add("--insecure", action="store_true", help="accept a scheduler beyond this machine without certificates")
     add(
         "--workers",
         type=read_count,
@@ -455,9 +529,19 @@ def read_options(arguments: Optional[list[str]] = None) -> argparse.Namespace:
     add("--connect-timeout", type=float, default=30.0, metavar="S", help="seconds to wait for the scheduler (30)")
     add("--program", default="svocl", metavar="SVOCL", help="the program that makes scene:NAME")
     add("--keep", action="store_true", help="keep OUT.svo.parts")
+    add("--parts-only", action="store_true", help="build OUT.svo.parts, which is a tree in itself, and no OUT.svo; for "
+        "trees of more than 2^32 - 2 nodes")  # fmt: skip
     add("--json", action="store_true", help="print times and workers as JSON")
     add("-q", "--quiet", action="store_true", help="no bar and no lines but errors")
-    return parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
+    options.output = without_file_scheme(options.output)
+    options.parts = without_file_scheme(options.parts or f"{options.output}.parts")
+    for url in (options.output, options.parts):
+        if url.startswith("memory://"):
+            parser.error(f"{url}: workers are other processes, which do not see this one's memory")
+    if options.parts_only and is_url(options.parts):
+        parser.error(f"{options.parts}: a folder that is to be read as a tree must be on a disk")
+    return options
 
 
 if __name__ == "__main__":

@@ -4,7 +4,6 @@
 import asyncio
 import importlib
 import os
-import re
 import time
 import uuid
 import warnings
@@ -12,8 +11,9 @@ from collections import deque
 from typing import Any, Callable, NamedTuple, Optional
 
 from .._generated import Error
-from .._parts import PartEntry, Parts
+from .._parts import Parts
 from . import _tasks
+from ._store import StoredParts, is_of_part
 
 TRIES = 3
 """Of a part that fails. A worker's death is not counted here, but by Dask's allowed-failures."""
@@ -55,6 +55,7 @@ def build_parts(
     patience: float = 900.0,
     report: Optional[Callable[[int, int, str], None]] = None,
     record: Optional[Callable[[str, float, float], None]] = None,
+    stored: Optional[StoredParts] = None,
 ) -> Summary:
     """Builds the parts that are missing, the largest estimate first.
 
@@ -67,6 +68,8 @@ def build_parts(
         patience: seconds in which no part arrives, after which the job ends.
         report: called with the number of parts that are there, the number of all, and a line about what happened,
             or "".
+        stored: the same folder in an object store, of which alone workers know; what they put there is gotten into the
+            folder on the disk. shared_folder does not matter then.
         record: called with "build", or "first build" of a worker, and the seconds and CPU seconds of each part.
 
     Raises:
@@ -75,6 +78,7 @@ def build_parts(
     """
     run = _Run(client, parts, shared_folder, device, patience, report or (lambda there, count, line: None))
     run.record = record
+    run.stored = stored
     return run.run()
 
 
@@ -82,6 +86,7 @@ class _Run:
     def __init__(self, client: Any, parts: Parts, shared: bool, device: Any, patience: float, report: Any) -> None:
         self.client, self.shared, self.device, self.patience, self.report = client, shared, device, patience, report
         self.record: Optional[Callable[[str, float, float], None]] = None
+        self.stored: Optional[StoredParts] = None
         self.folder = os.path.abspath(parts.folder)
         self.entries = parts.entries
         missing = [index for index in range(len(self.entries)) if not parts.is_built(index)]
@@ -128,7 +133,7 @@ class _Run:
     def _fill(self) -> None:
         """Submits what is waiting: to workers that share the folder all at once; else as many as keep workers busy,
         since the triangles of each are in memory meanwhile."""
-        room = len(self.waiting) if self.shared else self._window() - len(self.futures)
+        room = len(self.waiting) if self.shared or self.stored else self._window() - len(self.futures)
         for _ in range(min(room, len(self.waiting))):
             self._submit(self.waiting.popleft())
 
@@ -144,7 +149,10 @@ class _Run:
         options = {"key": f"svocl_part-{entry.name}-{uuid.uuid4().hex}", "priority": entry.expected_bytes}
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", "Sending large graph")  # the triangles, once
-            if self.shared:
+            if self.stored:
+                place = (self.stored.store.url, self.stored.plan, self.stored.place)
+                future = self.client.submit(_tasks.build_stored, work, *place, **options)
+            elif self.shared:
                 future = self.client.submit(_tasks.build_shared, work, **options)
             else:
                 triangles = self._read(os.path.join(self.identity, f"{entry.name}.tri"))
@@ -170,6 +178,8 @@ class _Run:
 
     def _check_plan(self) -> None:
         """The folder's plan is that of this job. A job that was stopped until its lease was stale may find another."""
+        if self.stored:
+            self.stored.check()
         if self._file_of_plan() == self.file:
             return
         try:
@@ -219,12 +229,19 @@ class _Run:
             self.waiting.append(index)
             return
         files = built.files or {}
-        strangers = [name for name in files if not is_of_part(name, entry)]
+        strangers = [name for name in (*files, *built.stored) if not is_of_part(name, entry)]
         if strangers:
             self._try_again(index, f"{built.worker}: {strangers[0]!r} is no file of the part")
             return
         if files:
             self._check_plan()
+        try:
+            for name in built.stored if self.stored else ():
+                self.stored.get_part(name, self.folder)  # type: ignore[union-attr]
+        except Error as problem:
+            self._check_plan()
+            self._try_again(index, str(problem))
+            return
         # A part may have been split. What says so comes last, when its children are there.
         for name, content in sorted(files.items(), key=lambda file: file[0].endswith(".split")):
             self._write(name, content)
@@ -279,14 +296,6 @@ class _Run:
             return self.client.sync(function, callback_timeout=30)
         except (asyncio.TimeoutError, OSError) as problem:
             raise self._lost() from problem
-
-
-def is_of_part(name: str, entry: PartEntry) -> bool:
-    """Whether a file that a worker sends belongs in the folder: of the part, or of one that it was split into."""
-    found = re.fullmatch(r"(0|[1-9][0-9]?)-(0|[1-9a-f][0-9a-f]*)\.(part|split)", name)
-    if not found or int(found[1]) < entry.level:
-        return False
-    return int(found[2], 16) >> 3 * (int(found[1]) - entry.level) == entry.code
 
 
 def words_of(problem: BaseException) -> str:

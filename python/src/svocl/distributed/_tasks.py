@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""What a worker does: plans a range, builds one part in a folder that it shares with the client, or in one of its own,
-writes a share of the file."""
+"""What a worker does: plans a range, builds one part in a folder that it shares with the client, or in one of its own
+for a store or for the client, writes a share of the file."""
 
 import hashlib
 import importlib
@@ -23,6 +23,7 @@ from .._generated import (
     UnavailableError,
 )
 from .._parts import Parts, PartsPlanning
+from ._store import StoredParts
 
 PLAN = "plan"
 """The file of a folder of parts that says what they are parts of."""
@@ -73,6 +74,8 @@ class Built(NamedTuple):
     """False: the worker does not see the client's folder, and has built nothing."""
     files: Optional[dict[str, bytes]] = None
     """By name, what belongs in the client's folder; None: it is there."""
+    stored: tuple[str, ...] = ()
+    """Names of files in a store that belong in the client's folder."""
     failure: str = ""
     """Not "": why it was not built."""
     is_final: bool = False
@@ -111,6 +114,46 @@ def build_sent(work: Work, plan: bytes, triangles: bytes) -> Built:
             return _build(work, folder)._replace(files=_read_files(work, folder))
     except OSError as problem:
         return Built(_address(), failure=str(problem))
+
+
+def build_stored(work: Work, url: str, plan_name: str, place: str) -> Built:
+    """Builds a part of a folder in a store, on this machine's disk, and puts it there.
+
+    Args:
+        work: the part.
+        url: of the folder; credentials are those of the worker's environment.
+        plan_name, place: of the plan that the job belongs to.
+    """
+    try:
+        stored = StoredParts(url, plan_name, place, work.identity)
+        stored.check()
+        plan = _get_plan(stored, work.plan_digest)
+        with tempfile.TemporaryDirectory(prefix="svocl-") as folder:
+            os.mkdir(os.path.join(folder, work.identity))
+            with open(os.path.join(folder, PLAN), "wb") as file:
+                file.write(plan)
+            stored.get_triangles(work.name, folder)
+            built = _build(work, folder)
+            if not built.failure:
+                stored.check()
+                built = built._replace(stored=stored.put_parts(folder))
+            return built
+    except Error as problem:
+        return Built(_address(), failure=str(problem), is_final=not isinstance(problem, RETRIED))
+    except OSError as problem:
+        return Built(_address(), failure=str(problem))
+
+
+def _get_plan(stored: StoredParts, expected: bytes) -> bytes:
+    """The plan of a store. A worker builds many parts of one plan, so it is kept."""
+    plan = _plans.get(expected)
+    if plan is None:
+        plan = stored.get_plan()
+        if digest(plan) != expected:
+            raise OSError(f"{stored.store.url}/{stored.plan} is not the plan of this job")
+        _plans.clear()
+        _plans[expected] = plan
+    return plan
 
 
 def _read_files(work: Work, folder: str) -> dict[str, bytes]:
@@ -182,6 +225,7 @@ def worker_ttl(dask_scheduler: Any) -> Optional[float]:
 _lock = threading.Lock()
 _planner = threading.local()
 _devices: dict[Optional[str], Device] = {}
+_plans: dict[bytes, bytes] = {}
 
 
 def _build(work: Work, folder: str) -> Built:
