@@ -376,6 +376,7 @@ def test_two_jobs_that_race_for_a_folder(s3, device, mesh, mesh_file, moved, tmp
     assert Store(f"{folder}.parts").names() == []
 
 
+@long
 def test_a_stale_job_is_refused_by_name(s3, device, mesh, mesh_file, moved, tmp_path, monkeypatch):
     """As after a run that was stopped until its lease was stale: its worker's parts are in no other tree."""
     url = f"s3://bucket/{tmp_path.name}/A.svo"
