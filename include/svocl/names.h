@@ -29,7 +29,7 @@ typedef enum svo_name_kind {
     SVO_NAME_TREE_BUFFER, /**< svo_tree_buffer: "child_mask", ... */
     SVO_NAME_FORM, /**< svo_form: "descriptor", "implied", "shared", "mirrored" */
     SVO_NAME_COMPACT_BUFFER, /**< svo_compact_buffer: "nodes", ... */
-    SVO_NAME_SOLID_RULE, /**< svo_solid_rule: "winding", "parity" */
+    SVO_NAME_SOLID_RULE, /**< svo_solid_rule: "winding", "parity", "generalized" */
     SVO_NAME_LIGHT_FORM, /**< svo_light_form: "faces", "bricks", "voxels" */
     SVO_NAME_LIGHT_BUFFER, /**< svo_light_buffer: "opacity", ... */
     SVO_NAME_LIGHT_STAGE, /**< svo_light_stage: "opacity", ... */

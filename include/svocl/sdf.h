@@ -41,7 +41,7 @@ typedef struct svo_sdf_options {
      *  widths. 0: dense, all voxels of the grid. */
     float band;
     uint32_t is_unsigned; /**< not 0: no distance is negative, and nothing looks for the inside */
-    svo_solid_rule rule; /**< what is inside */
+    svo_solid_rule rule; /**< what is inside: SVO_SOLID_WINDING or SVO_SOLID_PARITY */
     /** Scratch that candidates of one batch of cells should not exceed: fewer cells are then made at a time, with the
      *  same result. 0: 192 MiB. A single cell of a batch takes what it needs. */
     uint64_t batch_bytes;

@@ -18,6 +18,11 @@
  * crossing is a point of the surface, so it lies in one voxel and the voxel's list has its triangle), and walks along
  * the octree lead from one such sum to the next. For a closed mesh both give the same.
  *
+ * By SVO_SOLID_GENERALIZED (Jacobson, Kavan and Sorkine-Hornung 2013), cells of a mesh that is not closed are decided on
+ * the host, in the thread that calls: by the crossings along +z, exact, less the solid angles below the edges of the
+ * boundary, in doubles with a bound on their error. The result is that of the sum over all edges; clusters of far ones
+ * stand in for them only where the bound says that they decide the same.
+ *
  * Thread-safety: svo_solid_create needs exclusive use of the tree's device handle.
  */
 #ifndef SVOCL_SOLID_H
@@ -36,7 +41,10 @@ extern "C" {
 /** Which sums of crossings mean inside. */
 typedef enum svo_solid_rule {
     SVO_SOLID_WINDING = 0, /**< "winding": other than 0. Closed parts that overlap make their union */
-    SVO_SOLID_PARITY = 1 /**< "parity": odd. Where two closed parts overlap it is hollow */
+    SVO_SOLID_PARITY = 1, /**< "parity": odd. Where two closed parts overlap it is hollow */
+    /** "generalized": for surfaces with large holes. Not lines decide but the share of all directions in which the
+     *  surface is seen from behind, less that from the front: the generalized winding number, above 1/2 */
+    SVO_SOLID_GENERALIZED = 2
 } svo_solid_rule;
 
 /** Options of a solid. */
@@ -57,13 +65,16 @@ typedef struct svo_solid_info {
     uint64_t inside_voxels; /**< voxels inside that no surface touches */
     uint64_t inside_leaves; /**< leaves that hold them */
     uint64_t tests; /**< empty children of inner nodes: the cells that are inside or outside as a whole */
-    uint64_t ambiguous_cells; /**< of those, with lines that disagree; two of three decided */
+    /** Of those, with lines that disagree, where two of three decided. By SVO_SOLID_GENERALIZED: with a number within
+     *  2^-32 of 1/2, or within the bound on its error where that is more; they are outside */
+    uint64_t ambiguous_cells;
     uint64_t ambiguous_voxels; /**< voxels of those cells, inside or not */
     /** Columns of voxels along x, y and z whose crossings do not add up to 0: the surface has a hole there, or a tear.
      *  All 0 for a closed mesh; then no cell is ambiguous. */
     uint64_t open_columns[3];
     uint64_t scratch_bytes; /**< device memory that finding the inside took; it is released */
-    uint64_t regions; /**< of connected cells, decided by a line each; 0: each cell was decided by three lines */
+    uint64_t regions; /**< of connected cells, decided by a line each; 0: each cell was decided by itself */
+    uint64_t boundary_edges; /**< by SVO_SOLID_GENERALIZED: edges that do not cancel, each as often as it is there */
 } svo_solid_info;
 
 /** An empty output. */

@@ -144,6 +144,36 @@ SVO_API svo_status svo_voxels_left_out(const svo_voxel_file_info *info, svo_mess
 SVO_API svo_status svo_voxels_copy_vox(svo_source source, svo_sink sink, const svo_voxels_load_options *options,
                                        svo_voxel_file_info *info, svo_message *message);
 
+/** A model of a .vox file, and where its scene places it. */
+typedef struct svo_voxel_part {
+    size_t struct_size; /**< sizeof(svo_voxel_part) */
+    uint64_t model; /**< its number in the file, from 0 on */
+    const svo_voxels *voxels; /**< around the origin, as turned as the list of the file; at least one voxel */
+    /** 3 x 4 matrices, row by row: where (x, y, z) of the list is in the list of the file. Rows have one 1 or -1 and a
+     *  whole number, so that voxels come to lie on voxels. */
+    const double *transforms;
+    uint64_t transform_count; /**< at least 1 */
+} svo_voxel_part;
+
+/** Receives parts. user: as given. part: borrowed for the call, with all that it has. Returns SVO_OK; another status
+ *  ends the reading and is what it returns. */
+typedef svo_status (*svo_voxel_part_callback)(void *user, const svo_voxel_part *part);
+
+/** Reads a .vox file by its models, not as one list: each that has voxels and that the scene places, once, with where
+ *  it is placed. Put together by the matrices, the parts are the list that svo_voxels_load makes; where instances
+ *  overlap, that has the later one.
+ *
+ * \param source the file (see files.h)
+ * \param options NULL means all defaults; hidden and frame choose instances; voxels_max is for each model
+ * \param callback receives the parts by ascending number, on the calling thread; not NULL
+ * \param user passed to it
+ * \param info receives what the file holds; NULL allowed
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_UNSUPPORTED: no .vox file of MagicaVoxel. Else what svo_voxels_load or the callback returns. */
+SVO_API svo_status svo_voxels_load_parts(svo_source source, const svo_voxels_load_options *options,
+                                         svo_voxel_part_callback callback, void *user, svo_voxel_file_info *info,
+                                         svo_message *message);
+
 /** What was written. */
 typedef struct svo_voxels_save_info {
     size_t struct_size; /**< sizeof(svo_voxels_save_info) */

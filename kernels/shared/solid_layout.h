@@ -16,6 +16,11 @@
 #define SVO_SOLID_REGIONS    12 /* regions of empty cells */
 #define SVO_SOLID_COUNTERS   13
 
+/* Which sums of crossings are inside: svo_solid_rule. */
+#define SVO_SOLID_RULE_WINDING     0 /* other than 0 */
+#define SVO_SOLID_RULE_PARITY      1 /* odd */
+#define SVO_SOLID_RULE_GENERALIZED 2 /* above 0: above 1/2, where they are whole numbers */
+
 /* What positions are. */
 #define SVO_SOLID_SNAPPED 0
 #define SVO_SOLID_FLOATS  1
@@ -31,7 +36,7 @@ SVO_RECORD(svo_solid_params)
     SVO_U32 first; /* 16: first inner node of the launch */
     SVO_U32 count; /* 20: nodes, leaves or triangles of the launch */
     SVO_U32 level; /* 24: of those inner nodes */
-    SVO_U32 parity; /* 28: not 0: an odd sum is inside; 0: a sum other than 0 */
+    SVO_U32 rule; /* 28: which sums are inside, SVO_SOLID_RULE_* */
     SVO_U32 element_halves; /* 32: 16-bit words of a payload element */
     SVO_U32 repeats; /* 36: not 0: the tree's payload has one element for all nodes */
     SVO_U32 value[2]; /* 40: the element of interior leaves, its first half in the low half of the first word */

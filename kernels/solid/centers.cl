@@ -38,7 +38,7 @@ svo_k_solid_centers(__global const uchar *child_mask, __global const uint *first
         const uint next = svo_walk_on(&tree, axis, &walk);
         const uint winding =
             sums[axis] + (next != SVO_SOLID_NO_LEAF ? windings[axis * (size_t)params.leaf_count + next] : 0u);
-        votes += params.parity != 0u ? winding & 1u : (uint)(winding != 0u);
+        votes += svo_sum_is_inside(winding, params.rule) ? 1u : 0u;
     }
     inside_leaf[leaf] = 2u * votes > popcount(params.axes) ? 1 : 0;
 }

@@ -202,8 +202,7 @@ svo_k_solid_probe(__global const uchar *child_mask, __global const uint *first_c
             svo_add_crossings(&mesh, list[i], walk.at, &params, 1u, false, sums);
         }
     }
-    const uint inside = params.parity != 0u ? sums[0] & 1u : (uint)(sums[0] != 0u);
-    parents[member] = inside != 0u ? SVO_REGION_INSIDE : SVO_REGION_OUTSIDE;
+    parents[member] = svo_sum_is_inside(sums[0], params.rule) ? SVO_REGION_INSIDE : SVO_REGION_OUTSIDE;
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void

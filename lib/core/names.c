@@ -49,7 +49,8 @@ static const char *const tree_buffers[SVO_TREE_BUILD_STATE + 1] = {
 static const char *const forms[SVO_FORM_COUNT] = {"descriptor", "implied", "shared", "mirrored"};
 static const char *const compact_buffers[SVO_COMPACT_BUFFER_COUNT] = {"nodes",   "links",     "bases", "colors",
                                                                       "normals", "materials", "fills"};
-static const char *const solid_rules[] = {[SVO_SOLID_WINDING] = "winding", [SVO_SOLID_PARITY] = "parity"};
+static const char *const solid_rules[] = {
+    [SVO_SOLID_WINDING] = "winding", [SVO_SOLID_PARITY] = "parity", [SVO_SOLID_GENERALIZED] = "generalized"};
 static const char *const light_forms[SVO_LIGHT_FORM_COUNT] = {"faces", "bricks", "voxels"};
 static const char *const light_buffers[SVO_LIGHT_BUFFER_COUNT] = {"opacity", "cover", "lit", "radiance", "flux"};
 static const char *const light_stages[SVO_LIGHT_STAGE_COUNT] = {"opacity", "opacity filter", "light view",

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the readers and the writers of voxel files share: messages, growing lists, the buffer before the sink. */
+/* What the readers and the writers of voxel files share: messages, growing lists, the buffer before the sink;
+   and what a list does not hold of a file. */
 #include "io/voxels_files.h"
 
 #include <inttypes.h>
@@ -7,6 +8,7 @@
 #include <string.h>
 
 #include "core/memory.h"
+#include "core/struct_size.h"
 
 bool svo_i_voxels_are_turned(svo_axes axes, svo_voxel_format format)
 {
@@ -278,4 +280,44 @@ bool svo_i_voxels_has(const voxel_writer *writer, const int32_t place[3])
         }
     }
     return false;
+}
+
+/* ---- what a list does not hold ---- */
+
+/* Adds ", 3 names" to the line, or ", 1 name". */
+static void add_part(svo_message *text, uint64_t count, const char *one, const char *several)
+{
+    const size_t used = strlen(text->text);
+    if (count > 0) {
+        (void)snprintf(text->text + used, sizeof text->text - used, "%s%" PRIu64 " %s", used > 0 ? ", " : "", count,
+                       count == 1 ? one : several);
+    }
+}
+
+svo_status svo_voxels_left_out(const svo_voxel_file_info *info, svo_message *text)
+{
+    static const char function[] = "svo_voxels_left_out";
+    svo_voxel_file_info file;
+    if (text == NULL || info == NULL) {
+        return svo_i_fail(text, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function, text == NULL ? "text" : "info");
+    }
+    SVO_I_TRY(
+        svo_i_struct_read(text, function, "info", info, &file, SVO_I_STRUCT_SIZES(svo_voxel_file_info, warnings)));
+    text->text[0] = '\0';
+    if (file.instances > 1) {
+        (void)snprintf(text->text, sizeof text->text, "the division into %" PRIu64 " instances", file.instances);
+    }
+    add_part(text, file.left_out_models, "model", "models");
+    add_part(text, file.hidden_instances, "hidden instance", "hidden instances");
+    add_part(text, file.left_out_frames, "frame", "frames");
+    add_part(text, file.names, "name", "names");
+    add_part(text, file.layers, "layer", "layers");
+    add_part(text, file.groups, "group", "groups");
+    add_part(text, file.cameras, "camera", "cameras");
+    add_part(text, file.render_settings, "render setting", "render settings");
+    add_part(text, file.notes, "list of notes", "lists of notes");
+    add_part(text, file.palette_orders, "order of the palette", "orders of the palette");
+    add_part(text, file.unused_colors, "color that no voxel has", "colors that no voxel has");
+    add_part(text, file.other_chunks, "chunk of another kind", "chunks of other kinds");
+    return SVO_OK;
 }

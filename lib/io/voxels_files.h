@@ -36,6 +36,11 @@ typedef struct voxel_property {
     size_t key, value; /* offsets into texts */
 } voxel_property;
 
+/* Takes a model, whose voxels the reader has, and where it is: 3 x 4 numbers each, in the axes of the list. */
+struct voxel_reader;
+typedef svo_status (*voxel_take_part)(struct voxel_reader *reader, uint64_t model, const double *transforms,
+                                      uint64_t count);
+
 /* A file that is being read, and what was found in it. */
 typedef struct voxel_reader {
     const char *name;
@@ -55,6 +60,10 @@ typedef struct voxel_reader {
     size_t text_bytes, text_capacity;
     double origin[3]; /* of the list */
     double voxel_edge; /* 0: 1 */
+
+    voxel_take_part take_part; /* of .vox: by models; NULL: as a list */
+    svo_voxel_part_callback callback; /* of the caller, for take_part */
+    void *user;
 } voxel_reader;
 
 /* Fails with SVO_FILE_DAMAGED: "NAME: " and what the format says, which names the part of the file and the byte. */

@@ -2,7 +2,7 @@
 /*
  * Voxel files to lists of voxels: reads the file into memory, and finds its reader by its first bytes. Those of .binvox
  * files and of SLAB6's are here; voxels_vox.c, voxels_svx.c, voxels_nvdb.c and voxels_bt.c have the others. Also .vox
- * files to themselves, and what lists do not hold of them.
+ * files to themselves, and by their models.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <inttypes.h>
@@ -505,14 +505,16 @@ static svo_status check_vox(voxel_reader *reader)
         return fail_teardown(reader);
     }
     if (!begins(reader, VOX_MAGIC)) {
-        return svo_i_voxels_fail(reader, SVO_UNSUPPORTED, "no .vox file of MagicaVoxel, and others are not copied");
+        return svo_i_voxels_fail(reader, SVO_UNSUPPORTED, "no .vox file of MagicaVoxel, and others are not %s",
+                                 reader->take_part != NULL ? "read by models" : "copied");
     }
     reader->info = (svo_voxel_file_info){.struct_size = sizeof reader->info, .format = SVO_VOXEL_FORMAT_VOX};
     SVO_I_TRY_CLEANUP(svo_i_voxels_check_vox(reader));
-    if (!reader->limit_is_default) {
+    if (!reader->limit_is_default && reader->take_part == NULL) {
         SVO_I_TRY_CLEANUP(svo_i_voxels_limit(reader, reader->info.instance_voxels));
     }
 cleanup:
+    svo_i_free(reader->voxels);
     svo_i_free(reader->properties);
     svo_i_free(reader->texts);
     return status;
@@ -552,42 +554,45 @@ cleanup:
     return status;
 }
 
-/* ---- what a list does not hold ---- */
+/* ---- a .vox file by its models ---- */
 
-/* Adds ", 3 names" to the line, or ", 1 name". */
-static void add_part(svo_message *text, uint64_t count, const char *one, const char *several)
+static svo_status take_part(voxel_reader *reader, uint64_t model, const double *transforms, uint64_t count)
 {
-    const size_t used = strlen(text->text);
-    if (count > 0) {
-        (void)snprintf(text->text + used, sizeof text->text - used, "%s%" PRIu64 " %s", used > 0 ? ", " : "", count,
-                       count == 1 ? one : several);
+    const svo_axes axes = (svo_axes)reader->options.axes;
+    svo_voxels *voxels = NULL;
+    if (svo_i_voxels_are_turned(axes, SVO_VOXEL_FORMAT_VOX)) {
+        turn(reader);
     }
+    SVO_I_TRY(make_list(reader, &voxels));
+    (void)svo_voxels_set_axes(voxels, axes);
+    const svo_voxel_part part = {sizeof part, model, voxels, transforms, count};
+    const svo_status status = reader->callback(reader->user, &part);
+    svo_voxels_destroy(&voxels);
+    return status == SVO_OK
+               ? SVO_OK
+               : svo_i_voxels_fail(reader, status, "the callback ended the reading at model %" PRIu64, model);
 }
 
-svo_status svo_voxels_left_out(const svo_voxel_file_info *info, svo_message *text)
+svo_status svo_voxels_load_parts(svo_source source, const svo_voxels_load_options *options,
+                                 svo_voxel_part_callback callback, void *user, svo_voxel_file_info *info,
+                                 svo_message *message)
 {
-    static const char function[] = "svo_voxels_left_out";
-    svo_voxel_file_info file;
-    if (text == NULL || info == NULL) {
-        return svo_i_fail(text, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function, text == NULL ? "text" : "info");
+    static const char function[] = "svo_voxels_load_parts";
+    voxel_reader reader = {.message = message, .take_part = take_part, .callback = callback, .user = user};
+    svo_i_source file;
+    uint8_t *owned = NULL;
+    svo_status status = SVO_OK;
+    if (callback == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: callback is NULL", function);
     }
-    SVO_I_TRY(
-        svo_i_struct_read(text, function, "info", info, &file, SVO_I_STRUCT_SIZES(svo_voxel_file_info, warnings)));
-    text->text[0] = '\0';
-    if (file.instances > 1) {
-        (void)snprintf(text->text, sizeof text->text, "the division into %" PRIu64 " instances", file.instances);
-    }
-    add_part(text, file.left_out_models, "model", "models");
-    add_part(text, file.hidden_instances, "hidden instance", "hidden instances");
-    add_part(text, file.left_out_frames, "frame", "frames");
-    add_part(text, file.names, "name", "names");
-    add_part(text, file.layers, "layer", "layers");
-    add_part(text, file.groups, "group", "groups");
-    add_part(text, file.cameras, "camera", "cameras");
-    add_part(text, file.render_settings, "render setting", "render settings");
-    add_part(text, file.notes, "list of notes", "lists of notes");
-    add_part(text, file.palette_orders, "order of the palette", "orders of the palette");
-    add_part(text, file.unused_colors, "color that no voxel has", "colors that no voxel has");
-    add_part(text, file.other_chunks, "chunk of another kind", "chunks of other kinds");
-    return SVO_OK;
+    SVO_I_TRY(start(function, options, info, &reader));
+    SVO_I_TRY(svo_i_source_open(function, source, message, &file));
+    reader.name = file.name;
+    SVO_I_TRY_CLEANUP(take_bytes(&file, &reader, &owned));
+    SVO_I_TRY_CLEANUP(check_vox(&reader));
+    give_info(&reader, info);
+cleanup:
+    svo_i_source_close(&file);
+    svo_i_free(owned);
+    return status;
 }

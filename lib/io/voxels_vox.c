@@ -24,9 +24,17 @@ typedef struct step {
     uint32_t next_child;
 } step;
 
+/* A model where it is placed. */
+typedef struct placed_model {
+    size_t model;
+    vox_transform transform;
+} placed_model;
+
 typedef struct walk {
     vox_file *file;
     bool counts; /* else it places */
+    placed_model *placed; /* where models are listed in place of their voxels; else NULL */
+    size_t placed_count;
     step *path; /* VOX_DEPTH_MAX of them */
     size_t depth;
     uint64_t visits;
@@ -141,6 +149,10 @@ static svo_status visit_shape(walk *w, const step *at)
         info->hidden_instances += w->counts ? 1 : 0;
         return SVO_OK;
     }
+    if (!w->counts && w->placed != NULL) {
+        w->placed[w->placed_count++] = (placed_model){(size_t)at->node->child, at->transform};
+        return SVO_OK;
+    }
     if (!w->counts) {
         place_model(w, model, &at->transform);
         return SVO_OK;
@@ -239,6 +251,86 @@ static svo_status sort_scene(const walk *w)
                                       : node_damaged(w, &file->nodes[0], "has the least id; there is no root,", 0);
 }
 
+/* ---- models by themselves ---- */
+
+static int compare_placed(const void *a, const void *b)
+{
+    const placed_model *left = a;
+    const placed_model *right = b;
+    for (int row = 0; left->model == right->model && row < 3; ++row) {
+        const int64_t l = left->transform.translation[row];
+        const int64_t r = right->transform.translation[row];
+        if (l != r) {
+            return (l > r) - (l < r);
+        }
+    }
+    return left->model != right->model ? (left->model > right->model) - (left->model < right->model)
+                                       : memcmp(&left->transform, &right->transform, 6); /* columns and signs */
+}
+
+/* The matrix of a transform; turned: where y is up in the list, and (x, y, z) of the file is (x, z, -y). */
+static void write_transform(const vox_transform *transform, bool turned, double out[12])
+{
+    static const size_t axes[3] = {0, 2, 1}; /* of the list, by those of the file; and back */
+    memset(out, 0, 12 * sizeof *out);
+    for (size_t row = 0; row < 3; ++row) {
+        const uint8_t column = transform->column[row];
+        const size_t to = turned ? axes[row] : row;
+        const size_t from = turned ? axes[column] : column;
+        const int sign = turned && (row == 1) != (column == 1) ? -transform->sign[row] : transform->sign[row];
+        const int64_t at = transform->translation[row];
+        out[4 * to + from] = sign;
+        out[4 * to + 3] = (double)(turned && row == 1 ? -at : at);
+    }
+}
+
+/* Gives the models to the reader's take_part, one after the other. */
+static svo_status give_models(vox_file *file, placed_model *placed, size_t count)
+{
+    voxel_reader *reader = file->reader;
+    const bool turned = svo_i_voxels_are_turned((svo_axes)reader->options.axes, SVO_VOXEL_FORMAT_VOX);
+    walk w = {.file = file};
+    svo_status status = SVO_OK;
+    double *transforms = svo_i_alloc_zeroed(&reader->memory, count, 12 * sizeof *transforms);
+    if (transforms == NULL) {
+        return svo_i_voxels_fail(reader, SVO_OUT_OF_HOST_MEMORY, "no memory for %zu instances", count);
+    }
+    qsort(placed, count, sizeof *placed, compare_placed);
+    for (size_t i = 0, end = 0; i < count; i = end) {
+        const vox_model *model = &file->models[placed[i].model];
+        for (end = i; end < count && placed[end].model == placed[i].model; ++end) {
+            write_transform(&placed[end].transform, turned, transforms + 12 * (end - i));
+        }
+        if (model->filled > 0) {
+            reader->voxel_count = 0;
+            SVO_I_TRY_CLEANUP(svo_i_voxels_reserve(reader, model->filled));
+            place_model(&w, model, &identity);
+            SVO_I_TRY_CLEANUP(reader->take_part(reader, placed[i].model, transforms, end - i));
+        }
+    }
+cleanup:
+    svo_i_free(transforms);
+    return status;
+}
+
+/* The same for all that a walk places, after it has counted. */
+static svo_status give_scene(walk *w)
+{
+    const svo_voxel_file_info *info = &w->file->reader->info;
+    w->placed = svo_i_alloc_zeroed(&w->file->reader->memory, (size_t)info->instances + 1, sizeof *w->placed);
+    if (w->placed == NULL) {
+        return svo_i_voxels_fail(w->file->reader, SVO_OUT_OF_HOST_MEMORY, "no memory for %" PRIu64 " instances",
+                                 info->instances);
+    }
+    w->counts = false;
+    svo_status status = walk_scene(w);
+    if (status == SVO_OK && w->placed_count > 0) {
+        status = give_models(w->file, w->placed, w->placed_count);
+    }
+    svo_i_free(w->placed);
+    return status;
+}
+
 /* Counts what the scene shows; then places it where places is true. */
 static svo_status place_scene(vox_file *file, bool places)
 {
@@ -251,7 +343,9 @@ static svo_status place_scene(vox_file *file, bool places)
     SVO_I_TRY_CLEANUP(sort_scene(&w));
     SVO_I_TRY_CLEANUP(walk_scene(&w));
     file->reader->info.instance_voxels = w.voxels;
-    if (places) {
+    if (file->reader->take_part != NULL) {
+        SVO_I_TRY_CLEANUP(give_scene(&w));
+    } else if (places) {
         SVO_I_TRY_CLEANUP(svo_i_voxels_reserve(file->reader, w.voxels));
         w.counts = false;
         SVO_I_TRY_CLEANUP(walk_scene(&w));
@@ -282,6 +376,9 @@ static svo_status place_frame(vox_file *file, bool places)
     model->is_placed = true;
     reader->info.instances = 1;
     reader->info.instance_voxels = model->filled;
+    if (reader->take_part != NULL) {
+        return give_models(file, &(placed_model){frame, where_it_is}, 1);
+    }
     if (places) {
         SVO_I_TRY(svo_i_voxels_reserve(reader, model->filled));
         place_model(&w, model, &where_it_is);

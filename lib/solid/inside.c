@@ -4,7 +4,7 @@
  * decides for each region (kernels/solid/regions.cl). Of others, and where regions are many, each cell takes three
  * lines: the tree's leaf lists say which triangles may cross a column inside a leaf (cross.cl); chains along columns
  * add the leaves' sums up (chain.cl), and every empty child takes the number of the next crossed leaf (fill.cl). Both
- * give the same for a closed mesh. Scratch of the first is 33 bytes per inner node, 24 per inner node above the deepest
+ * give the same for a closed mesh. By SVO_SOLID_GENERALIZED the host decides with the numbers along +z (winding.h). Scratch of the first is 33 bytes per inner node, 24 per inner node above the deepest
  * ones and a quarter per leaf, that of the second 8 per node, 44 per leaf and 2 per inner node.
  */
 #include "solid/inside.h"
@@ -12,6 +12,8 @@
 #include "core/program.h"
 #include "shared/solid_layout.h"
 #include "solid/programs.h"
+#include "solid/winding.h"
+#include "svocl/nodes.h"
 #include "svocl/plan.h"
 
 /* Nodes of a launch, so that its counts fit 32 bits. */
@@ -40,6 +42,7 @@ typedef enum scratch {
     SCRATCH_FOLLOWS,
     SCRATCH_WINDINGS,
     SCRATCH_CARRIES,
+    SCRATCH_LINES,
     SCRATCH_COUNT
 } scratch;
 
@@ -59,7 +62,7 @@ static svo_status allocate(classifier *c, scratch buffer, uint64_t bytes)
     static const char *const names[SCRATCH_COUNT] = {
         "solid_counters", "solid_inside",   "solid_inside_leaf", "solid_links",      "solid_parents",
         "solid_roots",    "solid_codes",    "solid_crossings",   "solid_long_lists", "solid_next",
-        "solid_follows",  "solid_windings", "solid_carries"};
+        "solid_follows",  "solid_windings", "solid_carries",     "solid_lines"};
     c->info->scratch_bytes += bytes;
     return svo_i_work_alloc(c->work, names[buffer], bytes, &c->buffers[buffer]);
 }
@@ -360,6 +363,119 @@ static svo_status decide_columns(classifier *c)
     return decide_all(c, &fill);
 }
 
+/* ---- generalized winding numbers ---- */
+
+/* Nodes whose numbers the host takes at a time. */
+#define HOST_NODES (UINT32_C(1) << 18)
+
+/* What the host decides with. */
+typedef struct host_part {
+    svo_i_winding winding;
+    cl_uint *lines; /* 8 per node */
+    cl_ulong *codes;
+    cl_uchar *masks; /* of all nodes: their children, then those inside */
+    uint64_t tests, inside, ambiguous; /* of a part */
+} host_part;
+
+/* Puts those of a node's empty children that are inside in the place of its children, and counts. */
+static void decide_node(const classifier *c, host_part *host, size_t item)
+{
+    const unsigned child_log2 = c->params.depth - c->params.level - 1;
+    cl_uchar *mask = &host->masks[c->params.first + item];
+    unsigned inside = 0;
+    for (unsigned octant = 0; octant < 8; ++octant) {
+        uint32_t voxel[3];
+        if ((*mask >> octant & 1) != 0) {
+            continue;
+        }
+        svo_code_to_cell((uint64_t)host->codes[item] << 3 | octant, voxel);
+        for (size_t k = 0; k < 3; ++k) {
+            voxel[k] = (voxel[k] << child_log2) + (1u << child_log2 >> 1);
+        }
+        const svo_i_winding_side side =
+            svo_i_winding_at(&host->winding, voxel, (int32_t)host->lines[8 * item + octant]);
+        inside |= (side == SVO_I_WINDING_ABOVE ? 1u : 0u) << octant;
+        ++host->tests;
+        host->inside += side == SVO_I_WINDING_ABOVE;
+        host->ambiguous += side == SVO_I_WINDING_AMBIGUOUS;
+    }
+    *mask = (cl_uchar)inside;
+}
+
+/* Decides for c->params.first and count, and adds to the counts. */
+static svo_status decide_host_part(classifier *c, host_part *host)
+{
+    const svo_tree *tree = c->tree;
+    const cl_uint count = c->params.count;
+    const unsigned cell_log2 = 3 * (c->params.depth - c->params.level - 1);
+    const svo_i_argument arguments[] = {
+        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]), SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
+        SVO_I_ARGUMENT(c->buffers[SCRATCH_CODES]),          SVO_I_ARGUMENT(c->buffers[SCRATCH_CARRIES]),
+        SVO_I_ARGUMENT(c->buffers[SCRATCH_CROSSINGS]),      SVO_I_ARGUMENT(c->buffers[SCRATCH_WINDINGS]),
+        SVO_I_ARGUMENT(c->buffers[SCRATCH_LINES]),          SVO_I_ARGUMENT(c->params)};
+    host->tests = 0;
+    host->inside = 0;
+    host->ambiguous = 0;
+    SVO_I_TRY(svo_i_work_launch(c->work, "svo_k_solid_lines", SVO_I_ARGUMENTS(arguments), count));
+    SVO_I_TRY(svo_i_work_read(c->work, c->buffers[SCRATCH_CODES], (uint64_t)c->params.first * sizeof(cl_ulong),
+                              host->codes, count * sizeof(cl_ulong)));
+    SVO_I_TRY(svo_i_work_read(c->work, c->buffers[SCRATCH_LINES], 0, host->lines, 8 * (size_t)count * sizeof(cl_uint)));
+    for (size_t i = 0; i < count; ++i) {
+        decide_node(c, host, i);
+    }
+    c->info->tests += host->tests;
+    c->out->level_count[c->params.level + 1] += host->inside;
+    c->out->count += host->inside;
+    c->info->inside_leaves += host->inside;
+    c->info->inside_voxels += host->inside << cell_log2;
+    c->info->ambiguous_cells += host->ambiguous;
+    c->info->ambiguous_voxels += host->ambiguous << cell_log2;
+    return SVO_OK;
+}
+
+static svo_status decide_all_on_host(classifier *c, host_part *host)
+{
+    const size_t nodes = (size_t)c->tree->info.inner_count;
+    SVO_I_TRY(svo_i_work_read(c->work, c->tree->buffers[SVO_TREE_CHILD_MASK], 0, host->masks, nodes));
+    for (uint32_t level = 0; level < c->tree->info.depth; ++level) {
+        select_level(c, level);
+        const uint32_t end = c->params.first + c->params.count;
+        while (c->params.first < end) {
+            c->params.count = end - c->params.first < HOST_NODES ? end - c->params.first : HOST_NODES;
+            SVO_I_TRY(decide_host_part(c, host));
+            c->params.first += c->params.count;
+        }
+    }
+    return svo_i_work_write(c->work, c->buffers[SCRATCH_INSIDE], host->masks, nodes);
+}
+
+static svo_status decide_generalized(classifier *c)
+{
+    const svo_i_memory *memory = &c->tree->device->memory;
+    const uint64_t inner = c->tree->info.inner_count;
+    const size_t most = inner < HOST_NODES ? (size_t)inner : HOST_NODES;
+    host_part host = {.lines = svo_i_alloc(memory, 8 * most * sizeof(cl_uint)),
+                      .codes = svo_i_alloc(memory, most * sizeof(cl_ulong)),
+                      .masks = svo_i_alloc(memory, (size_t)inner)};
+    svo_status status = SVO_OUT_OF_HOST_MEMORY;
+    if (host.lines != NULL && host.codes != NULL && host.masks != NULL) {
+        status = allocate(c, SCRATCH_LINES, 8 * most * sizeof(cl_uint));
+        status = status != SVO_OK ? status
+                                  : svo_i_winding_of_tree(c->work, c->tree, c->positions, c->params.positions, &c->grid,
+                                                          &host.winding);
+        c->info->boundary_edges = host.winding.boundary.edge_count;
+        status = status != SVO_OK ? status : decide_all_on_host(c, &host);
+        svo_i_winding_release(&host.winding);
+    }
+    svo_i_free(host.lines);
+    svo_i_free(host.codes);
+    svo_i_free(host.masks);
+    return status != SVO_OUT_OF_HOST_MEMORY
+               ? status
+               : svo_i_device_fail(c->tree->device, status, "%s: no memory for generalized winding numbers",
+                                   c->work->function);
+}
+
 /* Decides the centers of leaves. */
 static svo_status decide_leaves(classifier *c)
 {
@@ -419,7 +535,7 @@ static svo_status begin(classifier *c, svo_solid_rule rule, bool *closed)
                                    .voxel_log2 = info->snap_bits - info->depth,
                                    .leaf_begin = (cl_uint)info->inner_count,
                                    .leaf_count = (cl_uint)info->leaf_count,
-                                   .parity = rule == SVO_SOLID_PARITY};
+                                   .rule = (cl_uint)rule};
     set_mesh(c);
     SVO_I_TRY(svo_i_work_use(c->work, &svo_i_program_solid, ""));
     SVO_I_TRY(allocate(c, SCRATCH_COUNTERS, SVO_SOLID_COUNTERS * sizeof(cl_uint)));
@@ -455,7 +571,7 @@ svo_status svo_i_inside_find(svo_i_device_work *work, const svo_tree *tree, svo_
         SVO_I_TRY(sum_columns(&c));
     }
     if (!decided) {
-        SVO_I_TRY(decide_columns(&c));
+        SVO_I_TRY(rule == SVO_SOLID_GENERALIZED && !closed ? decide_generalized(&c) : decide_columns(&c));
     }
     if (with_leaves) {
         SVO_I_TRY(decide_leaves(&c));

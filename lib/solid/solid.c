@@ -33,9 +33,9 @@ static svo_status read_options(const svo_tree *tree, const svo_solid_options *op
     static const uint8_t none[4] = {0, 0, 0, 0};
     SVO_I_TRY(svo_i_struct_read(svo_i_device_message(tree->device), function, "options", options, out,
                                 SVO_I_STRUCT_SIZES(svo_solid_options, material)));
-    if ((unsigned)out->rule > SVO_SOLID_PARITY) {
+    if ((unsigned)out->rule > SVO_SOLID_GENERALIZED) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: options.rule %d is not in 0 .. %d", function,
-                                 (int)out->rule, (int)SVO_SOLID_PARITY);
+                                 (int)out->rule, (int)SVO_SOLID_GENERALIZED);
     }
     if (out->material > MATERIAL_MAX) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: options.material %d is above %d", function,

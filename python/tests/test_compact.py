@@ -155,6 +155,9 @@ def test_a_cube_with_a_hole_says_so(device, cube):
     open_cube = svocl.Mesh(cube.positions, cube.indices[:-2])
     with device.build(open_cube, 4, need=svocl.Need.RAYS) as hull, svocl.Solid(hull) as solid:
         assert max(solid.solid_info.open_columns) > 0 and solid.solid_info.inside_voxels == 14 * 14 * 15
+        with svocl.Solid(hull, svocl.SolidRule.GENERALIZED) as lid:
+            assert lid.solid_info.boundary_edges == 4
+            assert 0 < lid.solid_info.inside_voxels <= 14 * 14 * 15
 
 
 def test_what_is_no_solid(device, cube):

@@ -251,6 +251,15 @@ static svo_status write_and_read(subject *of, const svo_voxels *voxels, svo_voxe
     return SVO_OK;
 }
 
+static svo_status take_part(void *user, const svo_voxel_part *part)
+{
+    svo_voxels_info info = SVO_VOXELS_INFO_INIT;
+    (void)svo_voxels_get_info(part->voxels, &info);
+    digest(user, svo_voxels_get(part->voxels), info.voxel_count * sizeof(svo_voxel));
+    digest(user, part->transforms, part->transform_count * 12 * sizeof *part->transforms);
+    return SVO_OK;
+}
+
 static svo_status use_voxels(subject *of, const svo_voxels *voxels)
 {
     svo_voxels *again = NULL;
@@ -263,6 +272,7 @@ static svo_status use_voxels(subject *of, const svo_voxels *voxels)
     SVO_I_TRY(svo_voxels_save(voxels, svo_to_path(world.vox_path), SVO_VOXEL_FORMAT_AUTO, NULL, &of->message));
     SVO_I_TRY(svo_voxels_load(svo_from_path(world.vox_path), NULL, &again, NULL, &of->message));
     svo_voxels_destroy(&again);
+    SVO_I_TRY(svo_voxels_load_parts(svo_from_path(world.vox_path), NULL, take_part, of, NULL, &of->message));
     return svo_voxels_copy_vox(svo_from_path(world.vox_path), svo_to_path(world.vox_path), NULL, NULL, &of->message);
 }
 

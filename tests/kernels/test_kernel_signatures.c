@@ -493,8 +493,11 @@ static void fill_box(const fixture *opened, int skipped_face)
     }
     const svo_mesh mesh = parts_mesh(&made);
     fixture_build(opened, &mesh, DEPTH, &options, &tree);
-    succeed(opened, svo_solid_create(tree.tree, NULL, opened->queue, &solid, NULL));
-    svo_compact_destroy(&solid);
+    for (int rule = SVO_SOLID_WINDING; rule <= SVO_SOLID_GENERALIZED; ++rule) {
+        const svo_solid_options filling = {.struct_size = sizeof filling, .rule = (svo_solid_rule)rule};
+        succeed(opened, svo_solid_create(tree.tree, &filling, opened->queue, &solid, NULL));
+        svo_compact_destroy(&solid);
+    }
     for (int is_band = 0; is_band < 2; ++is_band) {
         const svo_sdf_options asked = {.struct_size = sizeof asked, .band = (float)is_band};
         svo_sdf *sdf = NULL;

@@ -123,6 +123,15 @@ static void meshes_and_voxels_are_converted_in_one_step(void **state)
     run_well("$SVOCL convert a.vox v.svc --tree-form shared -q && test $($SVOCL hash v.svc) = $($SVOCL hash a.vox)");
     run_well("$SVOCL build a.vox --tree-form shared -o w.svc -q && cmp v.svc w.svc");
     run_well("$SVOCL convert v.svc w.binvox -q && $SVOCL convert a.vox v.binvox -q && cmp v.binvox w.binvox");
+    /* A scene of the models, which is drawn. */
+    cJSON *document = run_json("$SVOCL convert a.vox world.json --json");
+    const cJSON *written = cJSON_GetObjectItemCaseSensitive(document, "written");
+    assert_int_equal((int)number_of(written, "models"), 1);
+    assert_int_equal((int)number_of(written, "instances"), 1);
+    cJSON_Delete(document);
+    run_well("$SVOCL render world.json -o world.png --size 16x16 -q && rm -r world.png world.json world_models");
+    run_badly("$SVOCL convert m.ply world.json", 2, "which is made of a .vox file alone");
+    run_badly("$SVOCL convert a.vox world.json --axes keep", 2, "--axes does not apply");
     run_well("rm a.svo a.vox m.ply m.svo b.vox b.svo v.svc w.svc v.binvox w.binvox");
 }
 

@@ -71,6 +71,22 @@ static void verify_compares_every_voxel(void **state)
     assert_non_null(strstr(last.output, "the surface is not closed"));
 }
 
+/* A tetrahedron without a face has a boundary of three edges. */
+static void generalized_numbers_are_reported(void **state)
+{
+    (void)state;
+    run_well("printf 'v 0 0 0\\nv 4 0 0\\nv 0 4 0\\nv 0 0 4\\nf 1 3 2\\nf 1 2 4\\nf 1 4 3\\n' >open.obj");
+    cJSON *document = run_json("$SVOCL build open.obj -d 5 --solid generalized --json");
+    const cJSON *solid = solid_of(document);
+    assert_string_equal(text_of(solid, "rule"), "generalized");
+    assert_int_equal((int)number_of(solid, "boundary_edges"), 3);
+    assert_true(number_of(solid, "inside_voxels") > 1000);
+    cJSON_Delete(document);
+    run_well("$SVOCL build open.obj -d 5 --solid generalized -o a.svc");
+    assert_non_null(strstr(last.output, "generalized winding numbers beside 3 edges that do not cancel"));
+    run_well("rm a.svc open.obj");
+}
+
 static void what_does_not_apply_is_refused(void **state)
 {
     (void)state;
@@ -84,6 +100,7 @@ static void what_does_not_apply_is_refused(void **state)
     run_badly("$SVOCL bench voxelize --vs openvdb", 2, "--vs openvdb does not apply");
     run_badly("$SVOCL bench rays --vs openvdb", 2, "--vs openvdb does not apply");
     run_well("$SVOCL build scene:cube -d 3 --need rays -o a.svo");
+    run_badly("$SVOCL verify none.obj -d 5 --solid generalized", 2, "--solid generalized is not compared");
     run_badly("$SVOCL verify a.svo --solid winding", 2, "--solid does not apply to a .svo file");
     run_well("rm a.svo");
 }
@@ -94,6 +111,7 @@ TEST_GROUP(program_solid)
         IN_FOLDER(build_reports_surface_and_inside_apart),
         IN_FOLDER(files_of_compact_trees_are_expanded),
         IN_FOLDER(verify_compares_every_voxel),
+        IN_FOLDER(generalized_numbers_are_reported),
         IN_FOLDER(what_does_not_apply_is_refused),
     };
     return cmocka_run_group_tests_name("program_solid", tests, NULL, NULL);

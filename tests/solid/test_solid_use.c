@@ -285,8 +285,8 @@ static void wrong_arguments_are_refused(void **state)
     build_painted(&opened, 0, 0, &tree);
     assert_int_equal(svo_solid_create(NULL, NULL, NULL, &solid, NULL), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_solid_create(tree.tree, NULL, NULL, NULL, NULL), SVO_INVALID_ARGUMENT);
-    options.rule = (svo_solid_rule)2;
-    refuse(&opened, tree.tree, &options, "svo_solid_create: options.rule 2 is not in 0 .. 1");
+    options.rule = (svo_solid_rule)3;
+    refuse(&opened, tree.tree, &options, "svo_solid_create: options.rule 3 is not in 0 .. 2");
     options = (svo_solid_options){.struct_size = sizeof options, .material = 65535};
     refuse(&opened, tree.tree, &options, "svo_solid_create: options.material 65535 is above 65534");
     options = (svo_solid_options){.struct_size = 3};
@@ -307,6 +307,7 @@ static void wrong_arguments_are_refused(void **state)
     tree.tree->info.inner_count = inner_count;
     assert_string_equal(svo_name(SVO_NAME_SOLID_RULE, SVO_SOLID_WINDING), "winding");
     assert_string_equal(svo_name(SVO_NAME_SOLID_RULE, SVO_SOLID_PARITY), "parity");
+    assert_string_equal(svo_name(SVO_NAME_SOLID_RULE, SVO_SOLID_GENERALIZED), "generalized");
     assert_string_equal(svo_name(SVO_NAME_SOLID_RULE, (svo_solid_rule)7), "unknown rule");
     built_destroy(&tree);
 }

@@ -289,6 +289,10 @@ void solid_print(const program *state, const solid_result *made)
         table_line("%s empty cells tested, %s of words and payload", figure_count(info->tests).text,
                    figure_bytes(made->form.total_bytes).text);
     }
+    if (info->boundary_edges > 0) {
+        table_line("generalized winding numbers beside %s edges that do not cancel",
+                   figure_count(info->boundary_edges).text);
+    }
     if (!is_closed(info)) {
         table_line("the surface is not closed: crossings do not cancel in %s columns along x, %s along y, %s along z",
                    figure_count(info->open_columns[0]).text, figure_count(info->open_columns[1]).text,
@@ -310,6 +314,7 @@ cJSON *solid_add_json(cJSON *document, const program *state, const solid_result 
     json_add_count(object, "inside_leaves", info->inside_leaves);
     json_add_count(object, "tests", info->tests);
     json_add_count(object, "regions", info->regions);
+    json_add_count(object, "boundary_edges", info->boundary_edges);
     json_add_count(object, "ambiguous_cells", info->ambiguous_cells);
     json_add_count(object, "ambiguous_voxels", info->ambiguous_voxels);
     cJSON *columns = cJSON_AddObjectToObject(object, "open_columns");

@@ -83,16 +83,17 @@ static const command commands[] = {
                OPTION_UNFOLDED,
      .input_name = "IN OUT",
      .needs_input = true,
-     .suffixes = ".svo .svc .vox .svx .binvox .nvdb .bt .ply .obj",
+     .suffixes = ".svo .svc .vox .svx .binvox .nvdb .bt .ply .obj .json",
      .needs_suffix = true,
      .summary = "Converts IN, a mesh, voxels (.vox, .svx, .binvox, .nvdb, .bt), points (.las, .ply) or a tree (.svo, "
-                ".svc), to OUT, voxels or a tree; voxels also as .ply or .obj.",
+                ".svc), to OUT, voxels or a tree; voxels also as .ply or .obj, a .vox file as a .json scene of its "
+                "models.",
      .reads_file = true,
-     .examples =
-         EXAMPLES("convert castle.vox castle.svo", "convert model.svo model.vox", "convert model.obj model.vox -d 7",
-                  "convert model.svo model.svc --tree-form implied", "convert castle.vox castle.ply --hidden",
-                  "convert walk.vox step.binvox --frame 3", "convert scan.las map.bt --voxel-size 0.1",
-                  "convert huge.svo.parts corner.svo --region 3-1c --levels 14")},
+     .examples = EXAMPLES("convert castle.vox castle.svo", "convert model.svo model.vox",
+                          "convert model.obj model.vox -d 7", "convert model.svo model.svc --tree-form implied",
+                          "convert castle.vox castle.ply --hidden", "convert walk.vox step.binvox --frame 3",
+                          "convert castle.vox castle.json", "convert scan.las map.bt --voxel-size 0.1",
+                          "convert huge.svo.parts corner.svo --region 3-1c --levels 14")},
     {.name = "edit",
      .groups = BUILDS | OPTION_VOXELS | OPTION_OUTPUT | OPTION_EDIT_COMMAND | OPTION_LEVELS | OPTION_TREE_FORM |
                OPTION_UNFOLDED,

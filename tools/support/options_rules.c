@@ -73,7 +73,10 @@ static const choice rivals[] = {{"none", 0},
                                 {"openvdb", OPTION_VERSUS_OPENVDB},
                                 {"grid", OPTION_VERSUS_GRID},
                                 {NULL, 0}};
-static const choice solids[] = {{"winding", 1 + SVO_SOLID_WINDING}, {"parity", 1 + SVO_SOLID_PARITY}, {NULL, 0}};
+static const choice solids[] = {{"winding", 1 + SVO_SOLID_WINDING},
+                                {"parity", 1 + SVO_SOLID_PARITY},
+                                {"generalized", 1 + SVO_SOLID_GENERALIZED},
+                                {NULL, 0}};
 static const choice signs[] = {
     {"winding", SVO_SOLID_WINDING}, {"parity", SVO_SOLID_PARITY}, {"none", OPTION_SIGN_NONE}, {NULL, 0}};
 static const choice forms[] = {{"descriptor", 1 + SVO_FORM_DESCRIPTOR},
@@ -656,7 +659,7 @@ static const rule rules[] = {
     {"max-voxels", '\0', OPTION_UNFOLDED, "N", read_count, FIELD(max_voxels), 1, UINT32_MAX, NULL,
      "most voxels that a voxel file or a tree may unfold to, those of all levels (what memory holds)"},
     {"solid", '\0', OPTION_SOLID, "RULE", read_choice, FIELD(solid), 0, 0, solids,
-     "also fill the inside, by winding or parity; -o then writes the solid (not filled)"},
+     "also fill the inside, by winding, parity or generalized winding numbers; -o then writes the solid (not filled)"},
     {"band", '\0', OPTION_SDF_COMMAND, "VOXELS", read_amount, FIELD(band), 0, 0, NULL,
      "only voxels less than so many voxels' widths from the surface; 0: all voxels (3)"},
     {"iso", '\0', OPTION_MESH_COMMAND, "DISTANCE", read_distance, FIELD(iso), 0, 0, NULL,

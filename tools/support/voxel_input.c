@@ -67,6 +67,15 @@ svo_status voxel_input_copy(program *state, svo_sink sink, voxel_input *opened, 
                                message);
 }
 
+svo_status voxel_input_read_parts(program *state, svo_voxel_part_callback callback, void *user, voxel_input *opened,
+                                  svo_message *message)
+{
+    const svo_voxels_load_options load_options = load_options_of(state);
+    *opened = (voxel_input){.file = SVO_VOXEL_FILE_INFO_INIT, .list = SVO_VOXELS_INFO_INIT};
+    return svo_voxels_load_parts(piped_source(&state->piped, state->options.input), &load_options, callback, user,
+                                 &opened->file, message);
+}
+
 void voxel_input_warn(program *state, const voxel_input *opened, const char *others)
 {
     svo_message file = {""};

@@ -26,6 +26,9 @@ bool voxel_input_is_given(const program *state);
 int voxel_input_open(program *state, voxel_input *opened);
 /* Writes the file again by svo_voxels_copy_vox; opened has no list then. */
 svo_status voxel_input_copy(program *state, svo_sink sink, voxel_input *opened, svo_message *message);
+/* Reads the file by svo_voxels_load_parts; opened has no list then. */
+svo_status voxel_input_read_parts(program *state, svo_voxel_part_callback callback, void *user, voxel_input *opened,
+                                  svo_message *message);
 /* Warns of what the file holds and the list does not, and of what else is left out; others: NULL or its words. */
 void voxel_input_warn(program *state, const voxel_input *opened, const char *others);
 void voxel_input_close(voxel_input *opened);

@@ -14,6 +14,7 @@
 #include "support/table.h"
 #include "support/tree_form.h"
 #include "svocl/commands.h"
+#include "svocl/voxel_scene.h"
 
 /* What IN is. */
 typedef enum source_kind { FROM_TREE = 0, FROM_VOXELS, FROM_MESH } source_kind;
@@ -517,6 +518,9 @@ int command_convert(program *state)
     conversion done = {.from = kind_of_input(state), .written = SVO_VOXELS_SAVE_INFO_INIT};
     if (state->options.output_path == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "OUT is missing, see svocl convert --help");
+    }
+    if (voxel_scene_is_output(state)) {
+        return voxel_scene_convert(state);
     }
     done.to = output_kind_of(&state->options, state->options.output_path);
     int exit_code = check_arguments(state, &done);

@@ -403,7 +403,7 @@ class Compact(Resident):
 class Solid(Compact):
     """The inside of a closed mesh, found from its tree: a compact tree of Form.DESCRIPTOR with leaves for what is
     inside, each on the highest level that is full. Voxels that the surface touches stay leaves. On a mesh with holes
-    two of three directions decide, and solid_info says where.
+    two of three directions decide, and solid_info says where; SolidRule.GENERALIZED is for meshes with large holes.
 
     Args:
         tree: on a device, with Need.RAYS, coverage half-open or closed, and the whole mesh in its grid.

@@ -169,10 +169,14 @@ typedef struct solid_verdict {
     solid_differences found;
 } solid_verdict;
 
-/* Refuses --solid at a depth above SOLID_CHECK_DEPTH_MAX, before anything is built. Returns the exit code, its line
-   printed. */
-static int solid_verdict_check_depth(program *state)
+/* Refuses --solid at a depth above SOLID_CHECK_DEPTH_MAX, and by a rule that the reference does not know, before
+   anything is built. Returns the exit code, its line printed. */
+static int solid_verdict_check(program *state)
 {
+    if (solid_is_wanted(state) && solid_rule(state) == SVO_SOLID_GENERALIZED) {
+        return program_fail(state, PROGRAM_WRONG_USAGE,
+                            "--solid generalized is not compared: the exact reference counts crossings");
+    }
     return !solid_is_wanted(state) || state->options.depth <= SOLID_CHECK_DEPTH_MAX
                ? PROGRAM_DONE
                : program_fail(state, PROGRAM_WRONG_USAGE, "--solid is compared up to depth %d, not at depth %" PRIu64,
@@ -431,7 +435,7 @@ int command_verify(program *state)
     job done;
     int exit_code = options_refuse(state, of_alpha, "to verify, which knows shapes alone");
     if (exit_code == PROGRAM_DONE) {
-        exit_code = solid_verdict_check_depth(state);
+        exit_code = solid_verdict_check(state);
     }
     if (exit_code != PROGRAM_DONE) {
         return exit_code;

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: MIT */
+/* Generalized winding numbers of a mesh that is not closed, at the centers of voxels. */
+#ifndef SVO_LIB_SOLID_WINDING_H
+#define SVO_LIB_SOLID_WINDING_H
+
+#include "core/tree.h"
+#include "core/work.h"
+#include "solid/boundary.h"
+
+/* Made by svo_i_winding_of_tree. All owned. */
+typedef struct svo_i_winding {
+    svo_i_boundary boundary;
+    svo_decide_params grid;
+    struct svo_i_winding_node *nodes; /* over the pieces of the boundary, each before its children */
+    struct svo_i_winding_star *stars;
+    size_t node_count, star_count;
+} svo_i_winding;
+
+/* How a number compares with 1/2. */
+typedef enum svo_i_winding_side {
+    SVO_I_WINDING_BELOW,
+    SVO_I_WINDING_ABOVE,
+    SVO_I_WINDING_AMBIGUOUS
+} svo_i_winding_side;
+
+SVO_I_SHARED_BEGIN
+
+/* Makes them of a tree's mesh. positions, kind, grid: those that decide, SVO_SOLID_*; of snapped ones the grid is not
+   read. Where it fails, there is nothing to release, and no message if that is SVO_OUT_OF_HOST_MEMORY. */
+svo_status svo_i_winding_of_tree(svo_i_device_work *work, const svo_tree *tree, cl_mem positions, uint32_t kind,
+                                 const svo_decide_params *grid, svo_i_winding *out);
+
+void svo_i_winding_release(svo_i_winding *winding);
+
+/* The winding number at the center of a voxel of the tree, beside 1/2. crossings: the sum along the line from the
+   center in direction +z. The center lies at least half a voxel from the boundary. */
+svo_i_winding_side svo_i_winding_at(const svo_i_winding *winding, const uint32_t voxel[3], int32_t crossings);
+
+SVO_I_SHARED_END
+
+#endif
