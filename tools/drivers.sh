@@ -36,7 +36,7 @@ intel_runner()
 # --- a part of the tests ---------------------------------------------------------------------------------------------
 
 # As in tools/matrix.sh. Each run compiles for five to ten seconds, so there are few: every stage by every builder and
-# the kernels of each path; a plan by kernels; light; hits.
+# the kernels of each path; a plan by kernels; light; hits; a session of edits.
 readonly foreign_case="scene:cornell:60 -d 4 --need $matrix_all"
 readonly foreign_plan="scene:knot:140000 -d 5 --need normal"
 readonly foreign_light="scene:cornell:60 -d 4 --need color,rays,fill --light bricks"
@@ -47,6 +47,8 @@ readonly foreign_tests=(
     "gpu test_bvh bvh *"
     "cpu test_plan_device plan_buffers *"
     "cpu test_rays trace one_voxel_covers_its_pixels" # uploaded on an out-of-order queue
+    "cpu test_edit edit commits_are_builds"
+    "gpu test_edit edit mirrors_show_what_is_committed"
     "cpu driver_barriers"
 )
 
@@ -80,6 +82,7 @@ foreign()
     matrix_case - no "$foreign_plan" "cl cl cpu"
     matrix_case - no "$foreign_light" "cl cl cpu"
     matrix_case - no "$foreign_trace" "${matrix_hits[@]}"
+    matrix_case - no "${matrix_edits[0]}" "${matrix_sessions[0]}"
     set -f # no word of a case names files
     for case in "${foreign_tests[@]}"; do
         # shellcheck disable=SC2086 # words

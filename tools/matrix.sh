@@ -51,6 +51,11 @@ readonly matrix_traces=(
     "scene:atrium -d 6 --camera auto --size 320x240"
     "scene:knot:5000 -d 6 --rays /dev/stdin"
 )
+# Arguments of `svocl build`; matrix_session edits the tree, without kernels but for its mesh, and by a build of the
+# edited voxels.
+readonly matrix_edits=("scene:cornell:60 -d 4 --need color,material")
+readonly matrix_session=tests/fuzz/seeds/edit/session.txt
+readonly matrix_sessions=("cl edits cpu" "cl edits gpu")
 readonly matrix_columns=("PoCL 3.1" "oclgrind" "Intel" "PoCL 6" "rusticl")
 
 # --- the root --------------------------------------------------------------------------------------------------------
@@ -168,6 +173,24 @@ matrix_hits()
     printf '%s\n' "${output%  -}"
 }
 
+# A hash of the edited tree by one implementation, or the error. Arguments as for matrix_hash, but of `svocl build`.
+matrix_edit()
+{
+    local runner output
+    mapfile -t runner < <(matrix_runner "$1" "$2")
+    shift 2
+    # shellcheck disable=SC2016 # expanded by the inner shell
+    output=$("${runner[@]::${#runner[@]}-1}" sh -c '
+        folder=$(mktemp -d) && trap "rm -rf $folder" EXIT && cd "$folder" && cat >session.txt && path=${*##*--path } &&
+            "$0" scene knot:200 -q -o knot.obj >&2 && "$0" build "$@" -q -o tree.svo >&2 &&
+            "$0" edit tree.svo session.txt --path "$path" -q -o edited.svo >&2 &&
+            "$0" edit tree.svo session.txt --path "$path" --builder cl -q -o built.svo >&2 &&
+            cmp edited.svo built.svo >&2 && md5sum <edited.svo' "${runner[-1]}" "$@" 2>&1 <"$matrix_session") ||
+        output="exit code $?: ${output//$'\n'/ | }"
+    output=${output##*$'\n'}
+    printf '%s\n' "${output%  -}"
+}
+
 # Whether the column takes part: oclgrind is slow, has little memory, and cannot share a process with Mesa's llvmpipe.
 matrix_takes_part()
 {
@@ -175,8 +198,8 @@ matrix_takes_part()
     [[ $column != oclgrind ]] || [[ $is_small == yes && $frontend == cl ]]
 }
 
-# One line of the table: a method to build, or to trace with the builder "hits", by the kernels of a path, and by each
-# implementation of the caller's columns. All hashes of a case must equal the first; differences go to matrix_wrong.
+# One line of the table: a method to build, to trace with the builder "hits" or to edit with "edits", by the kernels of a
+# path, and by each implementation of the caller's columns. All hashes of a case must equal the first; differences go to matrix_wrong.
 matrix_wrong=()
 matrix_expected=
 matrix_row()
@@ -189,6 +212,8 @@ matrix_row()
             # shellcheck disable=SC2086 # one word per argument
             if [[ $builder == hits ]]; then
                 hash=$(matrix_hits "$column" "$folder" $case --frontend "$frontend" --path "$path")
+            elif [[ $builder == edits ]]; then
+                hash=$(matrix_edit "$column" "$folder" $case --frontend "$frontend" --path "$path")
             else
                 hash=$(matrix_hash "$column" "$folder" $case --frontend "$frontend" --builder "$builder" \
                     --path "$path")
@@ -257,6 +282,9 @@ matrix()
     done
     for case in "${matrix_traces[@]}"; do
         matrix_case "$folder" no "$case" "${matrix_hits[@]}"
+    done
+    for case in "${matrix_edits[@]}"; do
+        matrix_case "$folder" no "$case" "${matrix_sessions[@]}"
     done
     if ((${#matrix_wrong[@]} > 0)); then
         printf 'matrix: these differ:\n'

@@ -618,6 +618,65 @@ static void test_a_drag_is_one_step(void **unused)
     free(state);
 }
 
+/* Strokes as the brush makes them: so many shapes each, in one drag. */
+static void draw(view_state *state, unsigned shapes)
+{
+    for (unsigned i = 0; i < shapes; ++i) {
+        ++state->brush.position;
+        ++state->revisions.strokes;
+        history_look(state, true);
+    }
+    history_look(state, false);
+}
+
+/* Strokes and lights are undone in the order that they were made in; what the brush has forgotten is not. */
+static void test_strokes_share_the_history(void **unused)
+{
+    (void)unused;
+    view_state *state = malloc(sizeof *state);
+    begin_scene(state);
+    state->is_scene = false;
+    history_begin(state);
+    view_choose_brush(state, true);
+    draw(state, 5);
+    assert_true(light_edit_add(state, SVO_SOURCE_POINT));
+    history_look(state, false);
+    draw(state, 3);
+    assert_true(state->unsaved[VIEW_VOXELS] && state->unsaved[VIEW_LIGHTS] && !state->unsaved[VIEW_SCENE]);
+    history_saved(state, VIEW_LIGHTS);
+    assert_true(view_is_unsaved(state));
+    view_choose_scene(state, true);
+    state->brush.is_on = false;
+    history_undo(state);
+    assert_int_equal(state->brush.position, 5);
+    assert_true(state->brush.is_on && !state->is_scene);
+    history_undo(state);
+    assert_int_equal(state->source_count, 0);
+    assert_int_equal(state->brush.position, 5);
+    history_redo(state);
+    history_redo(state);
+    assert_int_equal(state->source_count, 1);
+    assert_int_equal(state->brush.position, 8);
+    history_undo(state);
+    draw(state, 1);
+    history_redo(state);
+    assert_int_equal(state->brush.position, 6);
+    state->brush.oldest = 1;
+    history_undo(state);
+    history_undo(state);
+    history_undo(state);
+    assert_int_equal(state->brush.position, 5);
+    assert_int_equal(state->source_count, 0);
+    assert_non_null(strstr(view_log_line(state, 0), "older strokes were forgotten"));
+    state->brush.oldest = 0;
+    history_undo(state);
+    assert_int_equal(state->brush.position, 0);
+    assert_false(state->unsaved[VIEW_VOXELS]);
+    history_end(state);
+    view_state_end(state);
+    free(state);
+}
+
 static void turn_wheel(view_state *state, int notches)
 {
     input_mouse mouse = {.x = 0};
@@ -923,6 +982,7 @@ TEST_GROUP(view_edit)
         cmocka_unit_test(test_dragged_light_follows_the_mouse),
         cmocka_unit_test(test_undo_of_all_edits_gives_the_first_bytes),
         cmocka_unit_test(test_a_drag_is_one_step),
+        cmocka_unit_test(test_strokes_share_the_history),
         cmocka_unit_test(test_a_turn_of_the_wheel_is_one_step),
         cmocka_unit_test(test_steps_are_bounded),
         cmocka_unit_test(test_closing_asks_about_unsaved_edits),

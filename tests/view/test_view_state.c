@@ -217,6 +217,60 @@ static void keys_choose_what_is_shown(void **unused)
     free_state(state);
 }
 
+static void send(input_mouse *mouse, view_state *state, view_event event)
+{
+    assert_int_equal(input_take(mouse, &event, state), INPUT_NOTHING);
+}
+
+/* Drags draw, but for those with Shift and those from beside the tree, and more places than a frame has are the last
+   one. */
+static void drags_are_strokes(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    input_mouse mouse = {.x = 0};
+    const view_event down = {.kind = VIEW_EVENT_BUTTON, .is_down = true, .x = 10, .y = 20};
+    const view_event up = {.kind = VIEW_EVENT_BUTTON, .x = 10, .y = 20};
+    press(state, 'u', false);
+    assert_true(state->brush.is_on);
+    press(state, 'q', false);
+    press(state, 'q', true);
+    press(state, ']', false);
+    assert_int_equal(state->brush.tool, VIEW_BRUSH_CLEAR);
+    assert_int_equal(state->brush.shape, VIEW_BRUSH_BOX);
+    assert_float_equal(state->brush.radius, 4.5, 0);
+    view_choose_brush_radius(state, NAN);
+    assert_float_equal(state->brush.radius, 0, 0);
+    const svo_camera before = state->camera.at;
+    send(&mouse, state, down);
+    assert_true(state->brush.is_down && state->brush.begins);
+    for (int i = 0; i < 2 * VIEW_BRUSH_PLACES; ++i) {
+        send(&mouse, state, (view_event){.kind = VIEW_EVENT_MOVE, .x = 20 + i, .y = 30});
+    }
+    assert_memory_equal(&before, &state->camera.at, sizeof before);
+    assert_int_equal(state->brush.place_count, VIEW_BRUSH_PLACES);
+    assert_float_equal(state->brush.places[0][0], 10.5, 0);
+    assert_float_equal(state->brush.places[VIEW_BRUSH_PLACES - 1][0], 19.5 + 2 * VIEW_BRUSH_PLACES, 0);
+    state->brush.is_beside = true;
+    send(&mouse, state, (view_event){.kind = VIEW_EVENT_MOVE, .x = 90, .y = 30});
+    assert_memory_not_equal(&before, &state->camera.at, sizeof before);
+    send(&mouse, state, up);
+    assert_false(state->brush.is_down || state->brush.takes);
+    view_event shifted = down;
+    shifted.shift = true;
+    send(&mouse, state, shifted);
+    assert_false(state->brush.is_down);
+    shifted = up;
+    shifted.shift = true;
+    send(&mouse, state, shifted);
+    assert_true(state->brush.takes);
+    press(state, 'u', false);
+    state->is_scene = true;
+    press(state, 'u', false);
+    assert_false(state->brush.is_on);
+    free_state(state);
+}
+
 static void press_control(view_state *state, int key)
 {
     input_mouse mouse = {.x = 0};
@@ -765,6 +819,7 @@ TEST_GROUP(view_state)
                                        cmocka_unit_test(views_along_axes_keep_up),
                                        cmocka_unit_test(clicks_respect_the_clip_plane),
                                        cmocka_unit_test(keys_choose_what_is_shown),
+                                       cmocka_unit_test(drags_are_strokes),
                                        cmocka_unit_test(keys_look_through_probes),
                                        cmocka_unit_test(clicks_find_spheres),
                                        cmocka_unit_test(clicks_pick_and_drags_turn),

@@ -82,6 +82,9 @@ differ camera-coarse camera-orbit
 differ camera-orbit camera-near
 differ camera-near camera-fly
 differ pick pick-none
+differ brush-set brush-cleared
+differ brush-cleared brush-painted
+differ brush-painted brush-undone
 differ view-1-shaded clip-shaded
 differ view-3-depth clip-depth
 differ view-0-full clip-full
@@ -197,6 +200,12 @@ coarse 3|none of 0, 1, 2, 4, 8
 shot|takes one file name
 shot a b|takes one file name
 drop|takes one file name
+brush set sphere|lacks a tool, a shape or a radius
+brush smooth sphere 3|'smooth' is not a tool
+brush set cone 3|'cone' is not a shape
+brush set box 65|'65' is not a number within 0 .. 64
+brush set box 3 1 2|lacks a number
+brush set box 3 1 2 256|'256' is not a number within 0 .. 255
 loading hop|'hop' is not a command
 a b c d e f g h i|more than 8 words
 LINES

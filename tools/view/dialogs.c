@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 
 #include "support/file_register.h"
+#include "support/table.h"
 #include "view/files.h"
 #include "view/history.h"
 #include "view/ui.h"
@@ -21,20 +22,30 @@
 #define NAMES_MAX   4096 /* of a folder */
 #define NAMES_SHOWN 9
 
-static const char *const document_names[VIEW_DOCUMENTS] = {"scene", "lights"};
+/* What a document is called, what names of its files end with, and what its box and the box of its name say. */
+typedef struct document_words {
+    const char *name, *suffix, *has, *heading, *note;
+} document_words;
+
+static const document_words words_of[VIEW_DOCUMENTS] = {
+    {"scene", "scene.json", "has", "Save the scene as", "svocl view and svocl render show it as INPUT."},
+    {"lights", "lights.json", "have", "Save the lights as", "svocl view and svocl render take it by --lights."},
+    {"voxels", "edited.svo", "have", "Save the voxels as", "A tree, .svo, with color and material."}};
 
 static char *path_of(view_state *state, view_document document)
 {
-    return document == VIEW_SCENE ? state->scene_path : state->lights_path;
+    return document == VIEW_SCENE    ? state->scene_path
+           : document == VIEW_LIGHTS ? state->lights_path
+                                     : state->voxels_path;
 }
 
-/* What is shown, unless only the other one has edits. */
+/* Voxels that no file has come first. Then what is shown, unless only the other one has edits. */
 static view_document document_to_save(const view_state *state)
 {
     const bool is_scene = state->is_scene || state->mover_count > 0 || state->scene_form != NULL;
     const view_document shown = is_scene ? VIEW_SCENE : VIEW_LIGHTS;
     const view_document other = is_scene ? VIEW_LIGHTS : VIEW_SCENE;
-    return !state->unsaved[shown] && state->unsaved[other] ? other : shown;
+    return state->unsaved[VIEW_VOXELS] ? VIEW_VOXELS : !state->unsaved[shown] && state->unsaved[other] ? other : shown;
 }
 
 /* ---- asking ---- */
@@ -74,7 +85,7 @@ static void ask_for_name(view_state *state, view_document document)
     const char *dot = strrchr(slash != NULL ? slash : begin, '.');
     const size_t length = begin != input ? strcspn(begin, ":/") : dot != NULL ? (size_t)(dot - begin) : strlen(begin);
     if (length < sizeof path - 16) {
-        (void)snprintf(path, sizeof path, "%.*s-%s.json", (int)length, begin, document_names[document]);
+        (void)snprintf(path, sizeof path, "%.*s-%s", (int)length, begin, words_of[document].suffix);
     }
     ask(state, VIEW_ASKS_FOR_NAME, document, path);
 }
@@ -123,9 +134,43 @@ static void go_on(view_state *state)
     }
 }
 
+void question_wrote_voxels(view_state *state, const char *failure)
+{
+    char written[VIEW_PATH_BYTES];
+    (void)snprintf(written, sizeof written, "%s", state->question.path);
+    state->wants_voxels = false;
+    if (failure != NULL) {
+        view_log(state, "%s", failure);
+        ask_again(state, VIEW_VOXELS, written);
+        return;
+    }
+    (void)snprintf(state->voxels_path, sizeof state->voxels_path, "%s", written);
+    (void)snprintf(state->own_paths[VIEW_VOXELS], sizeof state->own_paths[0], "%s", written);
+    history_saved(state, VIEW_VOXELS);
+    view_log(state, "saved %s voxels in %s", figure_count(state->brush.voxel_count).text, written);
+    go_on(state);
+}
+
+/* The next frame writes them: that takes a device, and time. */
+static void want_voxels(view_state *state, const char *path)
+{
+    const char *dot = strrchr(path, '.');
+    if (dot == NULL || strcmp(dot, ".svo") != 0) {
+        view_log(state, "%s: the name of a tree ends with .svo", path);
+        ask_again(state, VIEW_VOXELS, path);
+        return;
+    }
+    ask(state, VIEW_ASKS_NOTHING, VIEW_VOXELS, path);
+    state->wants_voxels = true;
+}
+
 static void write_file(view_state *state, view_document document, const char *path)
 {
     char written[VIEW_PATH_BYTES];
+    if (document == VIEW_VOXELS) {
+        want_voxels(state, path);
+        return;
+    }
     (void)snprintf(written, sizeof written, "%s", path);
     const int error = document == VIEW_SCENE ? scene_save(state, written) : lights_save(state, written);
     if (error != 0) {
@@ -144,10 +189,15 @@ static void write_file(view_state *state, view_document document, const char *pa
 void question_save_as(view_state *state, view_document document, const char *path)
 {
     struct stat unused;
+    if (document == VIEW_SCENE && state->unsaved[VIEW_VOXELS]) {
+        document = VIEW_VOXELS;
+        path = state->voxels_path;
+    }
     if (path[0] == '\0') {
         ask_for_name(state, document);
     } else if (is_read(state, path) && strcmp(path, state->own_paths[document]) != 0) {
-        view_log(state, "%s is what is shown: the %s needs a file of its own", path, document_names[document]);
+        view_log(state, "%s is what is shown: the %s need%s a file of %s own", path, words_of[document].name,
+                 document == VIEW_SCENE ? "s" : "", document == VIEW_SCENE ? "its" : "their");
         ask_again(state, document, path);
     } else if (is_there(path, &unused) && strcmp(path, state->own_paths[document]) != 0) {
         ask(state, VIEW_ASKS_TO_REPLACE, document, path);
@@ -211,8 +261,8 @@ static void describe_leaving(ui *toolkit, view_state *state)
     static const char *const buttons[] = {"Save", "Discard", "Cancel"};
     const view_document document = document_to_save(state);
     ui_heading(toolkit, "Unsaved edits");
-    ui_text(toolkit, "The %s of %s %s edits that no file has.", document_names[document],
-            state->input != NULL ? state->input : "the window", document == VIEW_SCENE ? "has" : "have");
+    ui_text(toolkit, "The %s of %s %s edits that no file has.", words_of[document].name,
+            state->input != NULL ? state->input : "the window", words_of[document].has);
     question_answer(state, ui_buttons(toolkit, buttons, 3));
 }
 
@@ -220,14 +270,12 @@ static void describe_name(ui *toolkit, view_state *state)
 {
     static const char *const buttons[] = {"Save", "Cancel"};
     view_question *question = &state->question;
-    ui_heading(toolkit, question->document == VIEW_SCENE ? "Save the scene as" : "Save the lights as");
+    ui_heading(toolkit, words_of[question->document].heading);
     if (question->is_new) {
         ui_focus(toolkit);
     }
     const bool entered = ui_field(toolkit, "File", question->path, sizeof question->path);
-    ui_note(toolkit, "%s",
-            question->document == VIEW_SCENE ? "svocl view and svocl render show it as INPUT."
-                                             : "svocl view and svocl render take it by --lights.");
+    ui_note(toolkit, "%s", words_of[question->document].note);
     if (question->has_failed) {
         ui_text(toolkit, "%s", view_log_line(state, 0));
     }

@@ -9,12 +9,15 @@
 
 /* ---- questions ---- */
 
-/* Saves what is edited: the scene, or the lights of a tree alone. Asks for a name where there is none. */
+/* Saves what is edited: the scene, or the voxels or the lights of a tree alone. Asks for a name where there is none. */
 void question_save(view_state *state);
 
 /* Saves in a file. Asks before it replaces one that this session has neither read nor written; never replaces a file
-   that a tree of the scene comes from. The log says how it went. */
+   that a tree of the scene comes from. The log says how it went. Voxels come first: a scene names their file. */
 void question_save_as(view_state *state, view_document document, const char *path);
+
+/* For whatever wrote the voxels that the state wants: how it went, in words where it failed, else NULL. */
+void question_wrote_voxels(view_state *state, const char *failure);
 
 /* Whether the key is for a question that is asked: Escape cancels, Enter and S save, D discards. */
 bool question_take(view_state *state, const view_event *event);

@@ -69,7 +69,7 @@ static svo_status draw_tree(subject *which, const view_state *state, const pictu
                                 .camera = state->camera.at,
                                 .view = views[state->shown.picture]};
     view_clip_plane(state, asked.clip);
-    return svo_render(svo_tree_target(subject_tree(which, state)), &asked, svo_in_buffer(pixels),
+    return svo_render(subject_target(which, state), &asked, svo_in_buffer(pixels),
                       &(svo_submit){.queue = subject_queue(which), .event = drawn});
 }
 
@@ -134,7 +134,8 @@ static bool content_differs(const drawing *which, const view_state *state)
     return which->width == 0 || which->window_width != state->width || which->window_height != state->height ||
            shown_differs(&which->shown, &state->shown) || which->is_scene != state->is_scene ||
            which->revisions.lights != state->revisions.lights ||
-           which->revisions.instances != state->revisions.instances || which->revisions.film != state->revisions.film;
+           which->revisions.instances != state->revisions.instances || which->revisions.film != state->revisions.film ||
+           which->revisions.strokes != state->revisions.strokes || which->shows_brush != state->brush.is_on;
 }
 
 /* Whether the camera or the clip plane has moved since. */
@@ -205,6 +206,7 @@ static void remember(drawing *which, const view_state *state)
 {
     which->shown = state->shown;
     which->is_scene = state->is_scene;
+    which->shows_brush = state->brush.is_on;
     which->revisions = state->revisions;
     which->camera = state->camera.at;
     which->window_width = state->width;

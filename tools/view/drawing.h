@@ -26,7 +26,7 @@ typedef struct drawing {
     /* What the last picture shows. */
     view_shown shown;
     bool is_exposed; /* and its exposure is the one to be shown */
-    bool is_scene;
+    bool is_scene, shows_brush;
     view_revisions revisions;
     svo_camera camera;
     unsigned window_width, window_height;

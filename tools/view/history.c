@@ -8,10 +8,19 @@
 
 #include "view/edit.h"
 
-typedef enum part { PART_SOURCES = 0, PART_SKY, PART_INSTANCES, PART_MOVERS, PART_SCENE_LIGHTS, PARTS } part;
+typedef enum part {
+    PART_SOURCES = 0,
+    PART_SKY,
+    PART_INSTANCES,
+    PART_MOVERS,
+    PART_SCENE_LIGHTS,
+    PART_STROKES, /* the position alone: the brush's edit holds the voxels of each */
+    PARTS
+} part;
 
-static const char *const part_names[PARTS] = {"lights", "the sky", "instances", "motions", "lights"};
-static const view_document part_documents[PARTS] = {VIEW_LIGHTS, VIEW_LIGHTS, VIEW_SCENE, VIEW_SCENE, VIEW_SCENE};
+static const char *const part_names[PARTS] = {"lights", "the sky", "instances", "motions", "lights", "a stroke"};
+static const view_document part_documents[PARTS] = {VIEW_LIGHTS, VIEW_LIGHTS, VIEW_SCENE,
+                                                    VIEW_SCENE,  VIEW_SCENE,  VIEW_VOXELS};
 
 /* A list of the state, or a copy of one. */
 typedef struct list {
@@ -59,6 +68,8 @@ static list list_of(view_state *state, part which)
         return (list){(unsigned char *)state->instances, state->instance_count, sizeof *state->instances};
     case PART_MOVERS:
         return (list){(unsigned char *)state->movers, state->mover_count, sizeof *state->movers};
+    case PART_STROKES:
+        return (list){(unsigned char *)&state->brush.position, 1, sizeof state->brush.position};
     case PART_SCENE_LIGHTS:
     case PARTS:
         break;
@@ -81,11 +92,12 @@ static bool is_same(part which, const unsigned char *a, const unsigned char *b, 
 
 _Static_assert(offsetof(view_mover, instance) == 0, "movers begin with the instance");
 
-/* Makes room in a list of the state, whose count becomes this. The sky's is fixed, and so is that of scene_lights. */
+/* Makes room in a list of the state, whose count becomes this. Those of the sky and of strokes are fixed, and so is the
+   room of scene_lights. */
 static bool resize(view_state *state, part which, size_t count)
 {
     const list now = list_of(state, which);
-    if (which == PART_SKY) {
+    if (which == PART_SKY || which == PART_STROKES) {
         return true;
     }
     if (which == PART_SCENE_LIGHTS) {
@@ -154,13 +166,22 @@ static void forget_all(view_history *which)
     }
 }
 
+/* All documents are other than they were. */
+static void begin_versions(view_history *which)
+{
+    ++which->last;
+    for (int i = 0; i < VIEW_DOCUMENTS; ++i) {
+        which->first[i] = which->last;
+    }
+}
+
 static void fail(view_state *state)
 {
     view_history *which = state->history;
     forget_all(which);
     which->failed = true;
     which->seen = state->revisions;
-    which->first[VIEW_SCENE] = which->first[VIEW_LIGHTS] = ++which->last;
+    begin_versions(which);
     view_log(state, "out of memory: what was edited so far cannot be undone");
 }
 
@@ -335,10 +356,11 @@ void history_look(view_state *state, bool is_held)
     if (which == NULL) {
         return;
     }
-    const bool is_changed =
-        which->seen.lights != state->revisions.lights || which->seen.instances != state->revisions.instances;
+    const bool is_changed = which->seen.lights != state->revisions.lights ||
+                            which->seen.instances != state->revisions.instances ||
+                            which->seen.strokes != state->revisions.strokes;
     if (is_changed && which->failed) {
-        which->first[VIEW_SCENE] = which->first[VIEW_LIGHTS] = ++which->last;
+        begin_versions(which);
         which->seen = state->revisions;
     } else if (is_changed && !is_at_work) {
         look(state);
@@ -424,6 +446,9 @@ static void choose(view_state *state, const step *made)
         changes[PART_SCENE_LIGHTS].elements != NULL) {
         view_lights_changed(state);
     }
+    if (changes[PART_STROKES].elements != NULL) {
+        ++state->revisions.strokes;
+    }
 }
 
 static void go(view_state *state, const step *made, bool is_back)
@@ -445,10 +470,25 @@ static void go(view_state *state, const step *made, bool is_back)
     if (state->is_scene != is_scene) {
         view_choose_scene(state, is_scene);
     }
+    if (made->changes[PART_STROKES].elements != NULL && !state->brush.is_on) {
+        view_choose_brush(state, true);
+    }
     state->history->is_scene = state->is_scene;
     view_log(state, "%s: %s; %zu to undo, %zu to redo", is_back ? "undone" : "redone", name, state->history->done,
              state->history->count - state->history->done);
     tell_unsaved(state);
+}
+
+/* Whether the brush can no longer go back to where it was before a step. */
+static bool is_forgotten(const view_state *state, const step *made)
+{
+    const change *strokes = &made->changes[PART_STROKES];
+    uint64_t before = 0;
+    if (strokes->elements == NULL) {
+        return false;
+    }
+    memcpy(&before, strokes->elements, sizeof before);
+    return before < state->brush.oldest;
 }
 
 void history_undo(view_state *state)
@@ -457,6 +497,8 @@ void history_undo(view_state *state)
     look_now(state);
     if (which == NULL || which->done == 0) {
         view_log(state, "nothing to undo");
+    } else if (is_forgotten(state, &which->steps[which->done - 1])) {
+        view_log(state, "nothing to undo: older strokes were forgotten");
     } else {
         go(state, &which->steps[--which->done], true);
     }

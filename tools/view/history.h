@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Undo and redo. What is edited, sources of light, sky, instances, their motions and lights of scenes, is compared with
- * a copy after each frame; a difference is a step. So every edit is one, whatever made it; a drag is one step, and so
- * is a turn of the wheel. A step holds the elements that differ, as they were and as they are.
+ * Undo and redo. What is edited, sources of light, sky, instances, their motions, lights of scenes and the position of
+ * the brush, is compared with a copy after each frame; a difference is a step. So every edit is one, whatever made it; a
+ * drag is one step, and so is a turn of the wheel. A step holds the elements that differ, as they were and as they are.
  */
 #ifndef SVOCL_TOOLS_VIEW_HISTORY_H
 #define SVOCL_TOOLS_VIEW_HISTORY_H
@@ -22,7 +22,7 @@ void history_look(view_state *state, bool is_held);
 /* The same for a wheel that still turns: before another edit begins. */
 void history_settle(view_state *state);
 
-/* One step back, or on again. Shows the tree or the scene that the step was made in. */
+/* One step back, or on again. Shows the tree, the brush or the scene that the step was made in. */
 void history_undo(view_state *state);
 void history_redo(view_state *state);
 

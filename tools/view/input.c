@@ -44,6 +44,11 @@ input_binding input_describe(size_t index)
                                              {"I", "edit instances"},
                                              {"N, Delete", "add, remove one"},
                                              {"Shift+drag", "move it"},
+                                             {"U", "brush; J its panel"},
+                                             {"drag, Shift+drag", "draw, turn"},
+                                             {"Shift+click", "take its color"},
+                                             {"Q, Shift+Q", "its tool, its shape"},
+                                             {"[ and ]", "smaller, larger"},
                                              {"Ctrl+S, R", "save, load again"},
                                              {"Ctrl+O, drop", "open a file"},
                                              {"Ctrl+P", "a picture as PNG"},
@@ -143,6 +148,35 @@ static bool press_for_motions(int key, view_state *state)
         return true;
     case 'k':
         view_toggle_panel(state, VIEW_PANEL_MOTION);
+        return true;
+    default:
+        return false;
+    }
+}
+
+/* Keys of the brush; false: it is none of them. */
+static bool press_for_brush(const view_event *event, view_state *state)
+{
+    view_brush *brush = &state->brush;
+    switch (event->key) {
+    case 'u':
+        view_choose_brush(state, !brush->is_on);
+        return true;
+    case 'j':
+        view_toggle_panel(state, VIEW_PANEL_BRUSH);
+        return true;
+    case 'q':
+        if (event->shift) {
+            brush->shape = (view_brush_shape)(((int)brush->shape + 1) % VIEW_BRUSH_SHAPES);
+        } else {
+            brush->tool = (view_brush_tool)(((int)brush->tool + 1) % VIEW_BRUSH_TOOLS);
+        }
+        view_log(state, "brush: %s %s", view_brush_tool_name(brush->tool), view_brush_shape_name(brush->shape));
+        return true;
+    case '[':
+    case ']':
+        view_choose_brush_radius(state, brush->radius + (event->key == ']' ? 0.5F : -0.5F));
+        view_log(state, "brush: radius %g", (double)brush->radius);
         return true;
     default:
         return false;
@@ -267,7 +301,7 @@ static input_wish press_key(const view_event *event, view_state *state)
         edit_instances(state, false);
     } else if (key == VIEW_KEY_ESCAPE) {
         press_escape(state);
-    } else if (!press_for_probes(key, state) && !press_for_motions(key, state)) {
+    } else if (!press_for_probes(key, state) && !press_for_motions(key, state) && !press_for_brush(event, state)) {
         press_letter(event, state);
     }
     return INPUT_NOTHING;
@@ -283,6 +317,8 @@ static void drag(const input_mouse *mouse, const view_event *event, view_state *
         light_edit_drag(state, right, down);
     } else if (mouse->held[VIEW_BUTTON_LEFT] && event->shift && state->is_scene) {
         scene_edit_drag(state, right, down);
+    } else if (mouse->held[VIEW_BUTTON_LEFT] && state->brush.is_down && !state->brush.is_beside) {
+        view_brush_move(state, event->x, event->y);
     } else if (mouse->held[VIEW_BUTTON_LEFT]) {
         camera_turn(state, right, down);
     } else if (mouse->held[VIEW_BUTTON_RIGHT] || mouse->held[VIEW_BUTTON_MIDDLE]) {
@@ -296,6 +332,8 @@ static void move(input_mouse *mouse, const view_event *event, view_state *state)
     const int along = abs(event->y - mouse->press_y);
     const int most = (int)(CLICK_PIXELS * state->scale);
     mouse->dragged = mouse->dragged || across > most || along > most;
+    state->brush.mouse[0] = (float)event->x + 0.5F;
+    state->brush.mouse[1] = (float)event->y + 0.5F;
     if (mouse->dragged) {
         drag(mouse, event, state);
     }
@@ -303,7 +341,18 @@ static void move(input_mouse *mouse, const view_event *event, view_state *state)
     mouse->y = event->y;
 }
 
-static input_wish press_button(input_mouse *mouse, const view_event *event)
+/* Strokes begin and end. Shift and a click take what the voxel has. */
+static void press_with_brush(const input_mouse *mouse, const view_event *event, view_state *state)
+{
+    if (!event->is_down) {
+        state->brush.takes = event->shift && !mouse->dragged;
+        state->brush.is_down = false;
+    } else if (!event->shift && !event->control) {
+        view_brush_press(state, event->x, event->y);
+    }
+}
+
+static input_wish press_button(input_mouse *mouse, const view_event *event, view_state *state)
 {
     const bool was_held = mouse->held[event->button];
     mouse->held[event->button] = event->is_down;
@@ -314,6 +363,10 @@ static input_wish press_button(input_mouse *mouse, const view_event *event)
         mouse->press_y = event->y;
         mouse->dragged = false;
     }
+    if (event->button == VIEW_BUTTON_LEFT && state->brush.is_on) {
+        press_with_brush(mouse, event, state);
+        return INPUT_NOTHING;
+    }
     return event->button == VIEW_BUTTON_LEFT && was_held && !event->is_down && !mouse->dragged ? INPUT_PICK
                                                                                                : INPUT_NOTHING;
 }
@@ -321,6 +374,7 @@ static input_wish press_button(input_mouse *mouse, const view_event *event)
 void input_release(input_mouse *mouse, view_state *state)
 {
     *mouse = (input_mouse){.x = mouse->x, .y = mouse->y};
+    state->brush.is_down = false;
     for (int i = 0; i < VIEW_MOTIONS; ++i) {
         state->camera.held[i] = false;
     }
@@ -340,7 +394,7 @@ input_wish input_take(input_mouse *mouse, const view_event *event, view_state *s
         move(mouse, event, state);
         return INPUT_NOTHING;
     case VIEW_EVENT_BUTTON:
-        return press_button(mouse, event);
+        return press_button(mouse, event, state);
     case VIEW_EVENT_WHEEL:
         if (event->control) {
             light_edit_push(state, event->steps);

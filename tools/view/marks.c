@@ -289,7 +289,7 @@ int ground_update(ground *which, subject *shown, view_state *state)
 {
     plane on;
     const ground_key key = key_of(state);
-    const bool is_shown = state->settings.grid && find_plane(state, &on);
+    const bool is_shown = state->settings.grid && !state->brush.is_on && find_plane(state, &on); /* rays see the tree */
     state->ground_count = is_shown ? which->count : 0;
     state->ground_spacing = is_shown ? (float)on.spacing : 0;
     if (!is_shown || memcmp((const void *)&key, (const void *)&which->made, sizeof key) == 0) {
@@ -325,6 +325,7 @@ void ground_end(ground *which)
 /* Of a light's mark, pixels. */
 #define LIGHT_RADIUS 9.0F
 #define LIGHT_SIDES  16
+#define BRUSH_SIDES  48
 
 /* Of spheres: sides of a large and a small one, and how far its highlight is from its center, in radii. */
 #define SPHERE_SIDES       24
@@ -466,6 +467,36 @@ static void mark_light(marks *which, const view_state *state)
     add_circle(which, middle, LIGHT_RADIUS, LIGHT_SIDES, light_color);
 }
 
+/* The voxel under the mouse, and what a click would change. */
+static void mark_brush(marks *which, const view_state *state)
+{
+    const view_brush *brush = &state->brush;
+    float corners[8][3];
+    float middle[2];
+    float rim[2];
+    float right[3];
+    float above[3];
+    float sight[3];
+    float beside[3];
+    add_box(which, state, brush->box, node_color);
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            corners[corner][axis] = brush->center[axis] + ((corner >> axis & 1u) != 0 ? brush->reach : -brush->reach);
+        }
+    }
+    if (brush->shape == VIEW_BRUSH_BOX) {
+        add_box(which, state, (const float(*)[3])corners, chosen_color);
+        return;
+    }
+    camera_axes(state, right, above, sight);
+    for (int axis = 0; axis < 3; ++axis) {
+        beside[axis] = brush->center[axis] + brush->reach * right[axis];
+    }
+    if (camera_project(state, brush->center, middle) && camera_project(state, beside, rim)) {
+        add_circle(which, middle, hypotf(rim[0] - middle[0], rim[1] - middle[1]), BRUSH_SIDES, chosen_color);
+    }
+}
+
 /* ---- probes ---- */
 
 /* Between black, a color and white. */
@@ -542,6 +573,9 @@ void marks_make(marks *which, const view_state *state)
     }
     if (state->settings.panels && state->settings.open[VIEW_PANEL_LIGHTS] && !state->is_scene) {
         mark_light(which, state);
+    }
+    if (state->brush.is_on && state->brush.is_over) {
+        mark_brush(which, state);
     }
     if (state->probes.has_spheres && state->probes.places != NULL) {
         mark_probes(which, state);

@@ -350,9 +350,13 @@ static const section left_sections[] = {
     {VIEW_PANEL_LOG, "Log", "F10", describe_log},
 };
 static const section right_sections[] = {
-    {VIEW_PANEL_PICTURE, "View", "F4", panels_picture},          {VIEW_PANEL_CAMERA, "Camera", "F5", panels_camera},
-    {VIEW_PANEL_LIGHTS, "Lights", "F6", panels_lights},          {VIEW_PANEL_PROBES, "Probes", "F12", panels_probes},
-    {VIEW_PANEL_INSTANCES, "Instances", "F8", panels_instances}, {VIEW_PANEL_MOTION, "Motion", "K", panels_motion},
+    {VIEW_PANEL_PICTURE, "View", "F4", panels_picture},
+    {VIEW_PANEL_CAMERA, "Camera", "F5", panels_camera},
+    {VIEW_PANEL_LIGHTS, "Lights", "F6", panels_lights},
+    {VIEW_PANEL_PROBES, "Probes", "F12", panels_probes},
+    {VIEW_PANEL_INSTANCES, "Instances", "F8", panels_instances},
+    {VIEW_PANEL_MOTION, "Motion", "K", panels_motion},
+    {VIEW_PANEL_BRUSH, "Brush", "J", panels_brush},
     {VIEW_PANEL_SETTINGS, "Settings", "F9", panels_settings},
 };
 

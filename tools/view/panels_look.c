@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* What the picture shows: the sections View, Camera and Settings; and what helps to read it, the axes of the world and
+/* What the picture shows: the sections View, Camera, Brush and Settings; and what helps to read it, the axes of the world and
    the legend of a view of numbers. */
 #include "view/panels_pages.h"
 
 #include <math.h>
 #include <stdio.h>
 
+#include "support/table.h"
 #include "support/view_colors.h"
 #include "view/camera.h"
 
@@ -178,8 +179,10 @@ static void choose_guides(ui *toolkit, view_state *state)
 {
     ui_checkbox(toolkit, "Axes", &state->settings.axes);
     ui_tooltip(toolkit, "Where x, y and z are, in the corner of the picture.");
+    ui_enable(toolkit, !state->brush.is_on);
     ui_checkbox(toolkit, "Ground grid", &state->settings.grid);
-    ui_tooltip(toolkit, "Lines on the ground, hidden by what stands before them. Key X.");
+    ui_tooltip(toolkit, "Lines on the ground, hidden by what stands before them. Not while the brush is on. Key X.");
+    ui_enable(toolkit, true);
 }
 
 /* Scenes are shaded alone, but through probes, and those of a file have no level to choose. */
@@ -269,6 +272,63 @@ void panels_camera(ui *toolkit, view_state *state)
         camera_look_along(state, pressed);
     }
     ui_tooltip(toolkit, "Looks along an axis, or from where the camera began.");
+}
+
+/* ---- the brush ---- */
+
+static void choose_tool(ui *toolkit, view_brush *brush)
+{
+    const char *tools[VIEW_BRUSH_TOOLS];
+    const char *shapes[VIEW_BRUSH_SHAPES];
+    int tool = (int)brush->tool;
+    int shape = (int)brush->shape;
+    for (int i = 0; i < VIEW_BRUSH_TOOLS; ++i) {
+        tools[i] = view_brush_tool_name((view_brush_tool)i);
+    }
+    for (int i = 0; i < VIEW_BRUSH_SHAPES; ++i) {
+        shapes[i] = view_brush_shape_name((view_brush_shape)i);
+    }
+    if (ui_choice(toolkit, "Tool", tools, VIEW_BRUSH_TOOLS, &tool)) {
+        brush->tool = (view_brush_tool)tool;
+    }
+    ui_tooltip(toolkit, "Adds voxels on what is there, removes them, or gives them another color. Key Q.");
+    if (ui_choice(toolkit, "Shape", shapes, VIEW_BRUSH_SHAPES, &shape)) {
+        brush->shape = (view_brush_shape)shape;
+    }
+    ui_tooltip(toolkit, "Spheres become a capsule along a drag. Shift and Q.");
+}
+
+void panels_brush(ui *toolkit, view_state *state)
+{
+    view_brush *brush = &state->brush;
+    bool is_on = brush->is_on;
+    float radius = brush->radius;
+    if (ui_checkbox(toolkit, "Draw", &is_on)) {
+        view_choose_brush(state, is_on);
+    }
+    ui_tooltip(toolkit, "Dragging draws; with Shift, or from beside the tree, it turns the camera. Key U.");
+    choose_tool(toolkit, brush);
+    if (ui_slider(toolkit, "Radius", &radius, 0, VIEW_BRUSH_MAX, "%.1f")) {
+        view_choose_brush_radius(state, roundf(2 * radius) / 2);
+    }
+    ui_tooltip(toolkit, "Voxels around the middle one. Keys [ and ].");
+    ui_enable(toolkit, brush->tool != VIEW_BRUSH_CLEAR);
+    if (ui_color(toolkit, "Color", brush->color)) {
+        for (int channel = 0; channel < 3; ++channel) {
+            brush->color[channel] = fminf(brush->color[channel], 1);
+        }
+    }
+    ui_tooltip(toolkit, "Of what is set or painted. Shift and a click take those of a voxel.");
+    ui_slider_count(toolkit, "Material", &brush->material, 0, VIEW_BRUSH_MATERIAL_MAX);
+    ui_tooltip(toolkit, "Its number. Control and a click to type it.");
+    ui_enable(toolkit, true);
+    if (brush->is_on) {
+        ui_value(toolkit, "Voxels", "%s", figure_count(brush->voxel_count).text);
+        ui_note(toolkit, "Shaded alone: another view, probes and instances first write the tree.");
+    }
+    if (brush->position > 0) {
+        ui_note(toolkit, "Drawn on: a tree of voxels, without normals, triangles and levels.");
+    }
 }
 
 /* ---- settings ---- */

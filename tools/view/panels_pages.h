@@ -10,6 +10,7 @@ typedef void panels_page(ui *toolkit, view_state *state);
 
 panels_page panels_picture; /* what is shown */
 panels_page panels_camera;
+panels_page panels_brush;
 panels_page panels_lights;
 panels_page panels_instances;
 panels_page panels_motion; /* playing what moves */

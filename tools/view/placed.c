@@ -172,6 +172,12 @@ placed *placed_of_input(program *running, unsigned depth)
     return made;
 }
 
+void placed_name_tree(placed *which, const char *path)
+{
+    (void)snprintf(which->list[0].path, sizeof which->list[0].path, "%s", path);
+    which->list[0].depth = 0;
+}
+
 void placed_close(placed **which)
 {
     placed *gone = *which;

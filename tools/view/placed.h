@@ -22,6 +22,9 @@ void placed_close(placed **which);
    it was. */
 bool placed_describe(placed *which, view_state *state);
 
+/* The file that now has the tree of INPUT, for scenes that are saved. */
+void placed_name_tree(placed *which, const char *path);
+
 /* The tree, which stays the caller's, and where it is. What was made of another one is gone. */
 void placed_use_tree(placed *which, svo_device *device, cl_command_queue queue, svo_tree *tree);
 

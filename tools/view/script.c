@@ -313,6 +313,52 @@ static int read_coarse(reader *from)
                                      : exit_code;
 }
 
+/* The word's place among names; below 0: it is none of them. */
+static int find_name(const char *word, int count, const char *(*name)(int index))
+{
+    int index = count - 1;
+    while (index >= 0 && strcmp(word, name(index)) != 0) {
+        --index;
+    }
+    return index;
+}
+
+static const char *tool_name(int index)
+{
+    return view_brush_tool_name((view_brush_tool)index);
+}
+
+static const char *shape_name(int index)
+{
+    return view_brush_shape_name((view_brush_shape)index);
+}
+
+/* brush TOOL SHAPE RADIUS [R G B [MATERIAL]] */
+static int read_brush(reader *from)
+{
+    script_brush brush = {.has_color = from->word_count > 4};
+    double radius = 0;
+    if (from->word_count < 4) {
+        return fail(from, "'brush' lacks a tool, a shape or a radius");
+    }
+    const int tool = find_name(from->words[1], VIEW_BRUSH_TOOLS, tool_name);
+    const int shape = find_name(from->words[2], VIEW_BRUSH_SHAPES, shape_name);
+    if (tool < 0 || shape < 0) {
+        return fail(from, "'%s' is not a %s", from->words[tool < 0 ? 1 : 2], tool < 0 ? "tool" : "shape");
+    }
+    int exit_code = read_number(from, 3, 0, (double)VIEW_BRUSH_MAX, &radius);
+    for (size_t i = 0; i < 3 && brush.has_color && exit_code == PROGRAM_DONE; ++i) {
+        exit_code = read_whole(from, 4 + i, 0, 255, &brush.color[i]);
+    }
+    if (from->word_count > 7 && exit_code == PROGRAM_DONE) {
+        exit_code = read_whole(from, 7, 0, VIEW_BRUSH_MATERIAL_MAX, &brush.material);
+    }
+    brush.tool = (view_brush_tool)tool;
+    brush.shape = (view_brush_shape)shape;
+    brush.radius = (float)radius;
+    return exit_code == PROGRAM_DONE ? add(from, &(script_step){.kind = SCRIPT_BRUSH, .brush = brush}) : exit_code;
+}
+
 /* drop FILE: on the window */
 static int read_drop(reader *from)
 {
@@ -336,10 +382,10 @@ typedef struct script_command {
     int (*read)(reader *from);
 } script_command;
 
-static const script_command commands[] = {{"key", read_key},       {"text", read_text}, {"move", read_move},
-                                          {"click", read_click},   {"drag", read_drag}, {"wheel", read_wheel},
-                                          {"size", read_size},     {"wait", read_wait}, {"refine", read_refine},
-                                          {"coarse", read_coarse}, {"drop", read_drop}, {"shot", read_shot}};
+static const script_command commands[] = {
+    {"key", read_key},     {"text", read_text}, {"move", read_move},  {"click", read_click},   {"drag", read_drag},
+    {"wheel", read_wheel}, {"size", read_size}, {"wait", read_wait},  {"refine", read_refine}, {"coarse", read_coarse},
+    {"drop", read_drop},   {"shot", read_shot}, {"brush", read_brush}};
 
 #define COMMANDS (sizeof commands / sizeof commands[0])
 

@@ -19,13 +19,23 @@ typedef enum script_kind {
     SCRIPT_WAIT, /* nothing, for some frames */
     SCRIPT_REFINE, /* nothing until the picture is refined */
     SCRIPT_COARSE, /* sets how coarse pictures are while something moves */
+    SCRIPT_BRUSH, /* begins to draw */
     SCRIPT_SHOT, /* what this frame shows, as a PNG */
     SCRIPT_END
 } script_kind;
 
+typedef struct script_brush {
+    view_brush_tool tool;
+    view_brush_shape shape;
+    float radius;
+    bool has_color; /* the fields below were given */
+    int color[3], material;
+} script_brush;
+
 typedef struct script_step {
     script_kind kind;
     view_event event;
+    script_brush brush; /* SCRIPT_BRUSH */
     unsigned count; /* SCRIPT_WAIT: frames; SCRIPT_COARSE: pixels */
     const char *path; /* SCRIPT_SHOT */
     bool is_loading; /* for the window that shows what is loaded */

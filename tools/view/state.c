@@ -14,7 +14,8 @@ void view_state_begin(view_state *state)
                           .exposure_is_automatic = true,
                           .film = {.loops = true},
                           .scale = 1,
-                          .probes = {.asked = grid}};
+                          .probes = {.asked = grid},
+                          .brush = {.radius = 4, .color = {0.8F, 0.3F, 0.2F}}};
     state->selection.instance = SVO_NO_INSTANCE;
     state->settings = (view_settings){.width = 1280,
                                       .height = 800,
@@ -68,6 +69,11 @@ void view_state_renew(const view_state *before, view_state *fresh)
     }
     fresh->log_count = before->log_count;
     fresh->settings = before->settings;
+    fresh->brush.tool = before->brush.tool;
+    fresh->brush.shape = before->brush.shape;
+    fresh->brush.radius = before->brush.radius;
+    fresh->brush.material = before->brush.material;
+    memcpy(fresh->brush.color, before->brush.color, sizeof fresh->brush.color);
 }
 
 bool view_is_moderate(const float *numbers, size_t count)
@@ -97,8 +103,9 @@ const char *view_stage_name(view_stage stage)
 
 const char *view_panel_name(view_panel panel)
 {
-    static const char *const names[VIEW_PANELS] = {"help",      "frames",    "memory",   "view", "camera", "lights",
-                                                   "selection", "instances", "settings", "log",  "probes", "motion"};
+    static const char *const names[VIEW_PANELS] = {"help",   "frames",    "memory",    "view",     "camera",
+                                                   "lights", "selection", "instances", "settings", "log",
+                                                   "probes", "motion",    "brush"};
     return (unsigned)panel < VIEW_PANELS ? names[panel] : "unknown panel";
 }
 
@@ -185,8 +192,9 @@ void view_notice(view_state *state, const char *text)
 bool view_is_unsaved(const view_state *state)
 {
     const bool is_newer = state->history != NULL && (state->looked.lights != state->revisions.lights ||
-                                                     state->looked.instances != state->revisions.instances);
-    return is_newer || state->unsaved[VIEW_SCENE] || state->unsaved[VIEW_LIGHTS];
+                                                     state->looked.instances != state->revisions.instances ||
+                                                     state->looked.strokes != state->revisions.strokes);
+    return is_newer || state->unsaved[VIEW_SCENE] || state->unsaved[VIEW_LIGHTS] || state->unsaved[VIEW_VOXELS];
 }
 
 void view_leave(view_state *state, bool *wish)
@@ -313,6 +321,62 @@ void view_choose_clip(view_state *state, bool is_on)
     }
     view_clip_range(state, clip->normal, range);
     clip->offset = 0.5F * (range[0] + range[1]);
+}
+
+/* ---- the brush ---- */
+
+const char *view_brush_tool_name(view_brush_tool tool)
+{
+    static const char *const names[VIEW_BRUSH_TOOLS] = {"set", "clear", "paint"};
+    return (unsigned)tool < VIEW_BRUSH_TOOLS ? names[tool] : "unknown tool";
+}
+
+const char *view_brush_shape_name(view_brush_shape shape)
+{
+    static const char *const names[VIEW_BRUSH_SHAPES] = {"sphere", "box"};
+    return (unsigned)shape < VIEW_BRUSH_SHAPES ? names[shape] : "unknown shape";
+}
+
+void view_choose_brush(view_state *state, bool is_on)
+{
+    if (is_on && (state->is_scene || view_shows_film(state))) {
+        view_log(state, "the brush draws on a tree alone, not on instances");
+        return;
+    }
+    if (is_on) {
+        view_hide_probes(state);
+        state->shown.picture = VIEW_SHADED;
+        state->selection.is_hit = false;
+        state->settings.open[VIEW_PANEL_BRUSH] = true;
+    }
+    state->brush.is_on = is_on;
+    state->brush.is_down = state->brush.is_over = false;
+    view_log(state, "brush: %s", is_on ? "on" : "off");
+}
+
+void view_choose_brush_radius(view_state *state, float radius)
+{
+    state->brush.radius = !(radius > 0) ? 0 : radius < VIEW_BRUSH_MAX ? radius : VIEW_BRUSH_MAX;
+}
+
+void view_brush_press(view_state *state, int x, int y)
+{
+    view_brush *brush = &state->brush;
+    brush->is_down = brush->begins = true;
+    brush->is_beside = false;
+    brush->place_count = 0;
+    view_brush_move(state, x, y);
+}
+
+/* A hand that is faster than frames keeps its last place; what lies between is a line. */
+void view_brush_move(view_state *state, int x, int y)
+{
+    view_brush *brush = &state->brush;
+    const size_t last = VIEW_BRUSH_PLACES - 1;
+    const size_t index = brush->place_count < last ? brush->place_count : last;
+    brush->places[index][0] = (float)x + 0.5F;
+    brush->places[index][1] = (float)y + 0.5F;
+    brush->place_count = index + 1;
 }
 
 /* ---- probes ---- */

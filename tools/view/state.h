@@ -18,19 +18,22 @@
 #include "svocl/scene.h"
 #include "svocl/trace.h"
 
-#define VIEW_NAME_BYTES   64
-#define VIEW_PATH_BYTES   1024
-#define VIEW_LOG_LINES    200
-#define VIEW_FRAMES_KEPT  240
-#define VIEW_LIST_KEPT    256
-#define VIEW_COARSE_MAX   8u
-#define VIEW_EDGE_MIN     160u /* of the window, pixels */
-#define VIEW_EDGE_MAX     16384u
-#define VIEW_EXPOSURE_MAX 64.0F
-#define VIEW_SPEED_MAX    4 /* of motions, as a power of two */
-#define VIEW_RECENT_MAX   8 /* files that were opened */
-#define VIEW_NOTICE_BYTES 2048
-#define VIEW_PROBES_AXIS  32u /* most probes along an axis that the panel offers */
+#define VIEW_NAME_BYTES         64
+#define VIEW_PATH_BYTES         1024
+#define VIEW_LOG_LINES          200
+#define VIEW_FRAMES_KEPT        240
+#define VIEW_LIST_KEPT          256
+#define VIEW_COARSE_MAX         8u
+#define VIEW_EDGE_MIN           160u /* of the window, pixels */
+#define VIEW_EDGE_MAX           16384u
+#define VIEW_EXPOSURE_MAX       64.0F
+#define VIEW_SPEED_MAX          4 /* of motions, as a power of two */
+#define VIEW_RECENT_MAX         8 /* files that were opened */
+#define VIEW_NOTICE_BYTES       2048
+#define VIEW_PROBES_AXIS        32u /* most probes along an axis that the panel offers */
+#define VIEW_BRUSH_MAX          64.0F /* radius of the brush, voxels */
+#define VIEW_BRUSH_PLACES       256 /* of the mouse in a frame */
+#define VIEW_BRUSH_MATERIAL_MAX 65534 /* as voxels have it */
 
 /* ---- what is shown ---- */
 
@@ -85,6 +88,7 @@ typedef struct view_revisions {
     unsigned lights; /* sources and sky */
     unsigned instances;
     unsigned film; /* the tree of what moves */
+    unsigned strokes; /* of the brush */
 } view_revisions;
 
 /* ---- camera ---- */
@@ -134,6 +138,42 @@ typedef struct view_selection {
     uint32_t list[VIEW_LIST_KEPT]; /* positions in the mesh's index array */
     float list_corners[VIEW_LIST_KEPT][3][3]; /* world */
 } view_selection;
+
+/* ---- the brush ---- */
+
+typedef enum view_brush_tool {
+    VIEW_BRUSH_SET = 0,
+    VIEW_BRUSH_CLEAR,
+    VIEW_BRUSH_PAINT,
+    VIEW_BRUSH_TOOLS
+} view_brush_tool;
+typedef enum view_brush_shape { VIEW_BRUSH_SPHERE = 0, VIEW_BRUSH_BOX, VIEW_BRUSH_SHAPES } view_brush_shape;
+
+/* What a hand does to the voxels of a tree alone. While it is on, pictures are of the edit and not of the tree. */
+typedef struct view_brush {
+    bool is_on;
+    view_brush_tool tool;
+    view_brush_shape shape;
+    float radius; /* voxels; of a box, half of its edge */
+    float color[3]; /* 0 .. 1, as voxels have it */
+    int material;
+    /* What the mouse asks for, in pixels of the window. */
+    float mouse[2]; /* the first below 0: over a panel */
+    bool is_down; /* a stroke is under way */
+    bool begins; /* it has no place yet */
+    bool is_beside; /* it began where nothing is: the drag turns the camera */
+    bool takes; /* color and material of the voxel under the mouse */
+    float places[VIEW_BRUSH_PLACES][2]; /* that the stroke came by since the last frame */
+    size_t place_count;
+    /* What the drawing says. */
+    bool is_over; /* a voxel is under the mouse */
+    int32_t voxel[3];
+    float box[8][3]; /* world; its corners, as those of a selection */
+    float center[3], reach; /* world; of the stroke that a click would make, and half of its width */
+    uint64_t voxel_count; /* of the edit */
+    uint64_t position; /* shapes that the edit has; history.h goes back and forth */
+    uint64_t oldest; /* position: the edit has forgotten those before */
+} view_brush;
 
 /* ---- probes ---- */
 
@@ -222,7 +262,7 @@ typedef struct view_piece {
 
 /* ---- panels and settings ---- */
 
-/* In the order of their keys, F1 to F10, F12 and K. */
+/* In the order of their keys, F1 to F10, F12, K and J. */
 typedef enum view_panel {
     VIEW_PANEL_HELP = 0,
     VIEW_PANEL_FRAMES,
@@ -236,6 +276,7 @@ typedef enum view_panel {
     VIEW_PANEL_LOG,
     VIEW_PANEL_PROBES,
     VIEW_PANEL_MOTION,
+    VIEW_PANEL_BRUSH,
     VIEW_PANELS
 } view_panel;
 
@@ -272,8 +313,8 @@ typedef enum view_shot { VIEW_SHOT_NONE = 0, VIEW_SHOT_PICTURE, VIEW_SHOT_WINDOW
 
 /* ---- what is saved ---- */
 
-/* What a session can edit and save: a scene, or the lights of a tree alone. */
-typedef enum view_document { VIEW_SCENE = 0, VIEW_LIGHTS, VIEW_DOCUMENTS } view_document;
+/* What a session can edit and save: a scene, the lights of a tree alone, or its voxels. */
+typedef enum view_document { VIEW_SCENE = 0, VIEW_LIGHTS, VIEW_VOXELS, VIEW_DOCUMENTS } view_document;
 
 typedef enum view_asking {
     VIEW_ASKS_NOTHING = 0,
@@ -352,6 +393,8 @@ typedef struct view_state {
     char notice[VIEW_NOTICE_BYTES]; /* a failure in a box that waits to be closed; "": none */
     view_shot wants_shot;
     char lights_path[VIEW_PATH_BYTES]; /* of the lights of a tree alone; "": they have no file yet */
+    char voxels_path[VIEW_PATH_BYTES]; /* of its voxels, the same */
+    bool wants_voxels; /* they are to be written to question.path */
     char own_paths[VIEW_DOCUMENTS][VIEW_PATH_BYTES]; /* read or written by this session: replaced without a question */
     bool unsaved[VIEW_DOCUMENTS]; /* edits that no file has */
     view_question question;
@@ -360,6 +403,7 @@ typedef struct view_state {
     view_revisions looked; /* those that unsaved tells of */
 
     view_selection selection;
+    view_brush brush;
     view_probes probes;
 
     view_frame frames[VIEW_FRAMES_KEPT]; /* a ring */
@@ -433,6 +477,17 @@ void view_choose_clip(view_state *state, bool is_on);
 void view_clip_range(const view_state *state, const float normal[3], float range[2]);
 /* As svo_render_options.clip has it; zeros where nothing is clipped. */
 void view_clip_plane(const view_state *state, float plane[4]);
+
+/* "set", "clear", "paint"; "sphere", "box": as svocl edit has them. */
+const char *view_brush_tool_name(view_brush_tool tool);
+const char *view_brush_shape_name(view_brush_shape shape);
+/* Begins or ends drawing on the tree alone, in view shaded. Where there is none the log says so. */
+void view_choose_brush(view_state *state, bool is_on);
+/* Clamped. */
+void view_choose_brush_radius(view_state *state, float radius);
+/* The mouse at a place of the window: a stroke begins or goes on there. */
+void view_brush_press(view_state *state, int x, int y);
+void view_brush_move(view_state *state, int x, int y);
 
 /* Looks through probes, in a view that they have, or at the tree again. */
 void view_choose_through(view_state *state, bool is_on);

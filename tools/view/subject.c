@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Trees and lights of the viewer, by the functions of svocl render; and the bytes of their buffers. */
+/* Trees and lights of the viewer, by the functions of svocl render, and what its brush makes of them. */
 #include "view/subject.h"
 
 #include <math.h>
@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "support/info_of.h"
+#include "support/output.h"
 #include "support/viewpoint.h"
 #include "view/edit.h"
 #include "view/history.h"
@@ -229,6 +230,8 @@ static int open_tree(program *running, view_state *state, subject *out)
         return exit_code;
     }
     out->has_tree = true;
+    out->brush.device = out->done.opened.device;
+    out->brush.queue = out->done.opened.queue;
     exit_code = describe(out, state);
     exit_code = exit_code == PROGRAM_DONE ? place_camera(out, state) : exit_code;
     exit_code = exit_code == PROGRAM_DONE ? take_lights(out, state) : exit_code;
@@ -237,7 +240,10 @@ static int open_tree(program *running, view_state *state, subject *out)
 
 int subject_open(program *running, view_state *state, subject *out)
 {
-    *out = (subject){.running = running, .film = {.running = running}, .probes = {.running = running}};
+    *out = (subject){.running = running,
+                     .film = {.running = running},
+                     .probes = {.running = running},
+                     .brush = {.running = running}};
     const int exit_code =
         scene_file_is_input(running) ? open_scene(running, state, out) : open_tree(running, state, out);
     if (exit_code != PROGRAM_DONE) {
@@ -249,6 +255,7 @@ int subject_open(program *running, view_state *state, subject *out)
 static void close_tree(subject *which)
 {
     if (which->has_tree) {
+        brushing_close(&which->brush);
         svo_light_destroy(&which->lit.light);
         job_release(&which->done);
         lighting_close(&which->lit);
@@ -318,6 +325,7 @@ static int make_tree(subject *which, view_state *state)
         keep_level(which, state, &kept);
         return PROGRAM_DONE;
     }
+    brushing_close(&which->brush); /* it has drawn nothing */
     drop_light(which, state);
     state->selection.is_hit = false;
     release_result(&kept);
@@ -371,11 +379,98 @@ static int make_light(subject *which, view_state *state)
     return PROGRAM_DONE;
 }
 
+/* ---- the brush ---- */
+
+/* The tree with all strokes, in place of the one before. It is one of voxels: without mesh, normals and levels. */
+static int take_strokes(subject *which, view_state *state)
+{
+    job *done = &which->done;
+    svo_tree *tree = NULL;
+    const int exit_code = brushing_commit(&which->brush, state, &tree);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    drop_light(which, state);
+    release_result(&done->result);
+    input_close(&done->source);
+    input_close(&which->lit.mesh);
+    done->source.name = which->running->options.input;
+    done->result.tree = tree;
+    state->selection.is_hit = false;
+    state->has_triangles = false;
+    state->level_min = state->level_max = state->shown.level = which->level = info_of_tree(tree).depth;
+    ++which->changes;
+    placed_use_tree(which->placed, done->opened.device, done->opened.queue, tree);
+    return PROGRAM_DONE;
+}
+
+/* Views that need the tree get it anew. Where it cannot be made, the strokes stay, and are shown. */
+static void leave_brush(subject *which, view_state *state)
+{
+    if (take_strokes(which, state) == PROGRAM_DONE) {
+        return;
+    }
+    if (state->is_scene) {
+        view_choose_scene(state, false);
+    }
+    view_choose_brush(state, true);
+    view_notice(state, which->running->failure != NULL ? which->running->failure->text : "the tree was not written");
+    if (which->running->failure != NULL) {
+        which->running->failure->text[0] = '\0';
+    }
+}
+
+/* The brush, or the tree that has what it drew. */
+static int update_brush(subject *which, view_state *state)
+{
+    const bool shows_more = state->is_scene || state->shown.picture != VIEW_SHADED || view_shows_probes(state);
+    if (state->brush.is_on && shows_more) {
+        view_log(state, "brush: off; %s",
+                 state->is_scene            ? "instances show the tree as it was drawn"
+                 : view_shows_probes(state) ? "probes see the tree as it was drawn"
+                                            : "this view shows the tree as it was drawn");
+        state->brush.is_on = state->brush.is_down = false;
+    }
+    if (!state->brush.is_on && brushing_is_newer(&which->brush, state)) {
+        leave_brush(which, state);
+    }
+    if (!state->brush.is_on) {
+        return PROGRAM_DONE;
+    }
+    const int exit_code = brushing_update(&which->brush, which->done.result.tree, state);
+    if (state->brush.position > 0) { /* other levels have no strokes */
+        state->level_min = state->level_max = which->level;
+    }
+    return exit_code;
+}
+
+svo_target subject_target(const subject *which, const view_state *state)
+{
+    return state->brush.is_on && which->brush.mirror != NULL ? svo_edit_mirror_target(which->brush.mirror)
+                                                             : svo_tree_target(subject_tree(which, state));
+}
+
+int subject_save_voxels(subject *which, view_state *state, const char *path)
+{
+    const int exit_code = brushing_is_newer(&which->brush, state) ? take_strokes(which, state) : PROGRAM_DONE;
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    const int written = tree_output_write(which->running, which->done.result.tree, NULL, path);
+    if (written == PROGRAM_DONE) {
+        placed_name_tree(which->placed, path);
+    }
+    return written;
+}
+
+/* ---- both ---- */
+
 /* The tree and the light that are shown. */
 static int update_tree(subject *which, view_state *state)
 {
     const bool is_lit = subject_picture_is_lit(state->shown.picture) || (view_shows_probes(state) && !state->is_scene);
-    const int exit_code = which->level != state->shown.level ? make_tree(which, state) : PROGRAM_DONE;
+    int exit_code = which->level != state->shown.level ? make_tree(which, state) : PROGRAM_DONE;
+    exit_code = exit_code == PROGRAM_DONE ? update_brush(which, state) : exit_code;
     return exit_code == PROGRAM_DONE && is_lit && !light_is_current(which, state) ? make_light(which, state)
                                                                                   : exit_code;
 }
@@ -440,136 +535,4 @@ svo_device *subject_device(const subject *which)
 cl_command_queue subject_queue(const subject *which)
 {
     return placed_queue(which->placed);
-}
-
-/* ---- bytes on the device, by OpenCL, beside plans by the library ---- */
-
-/* prefix: "" or what the buffer is part of, with a space. */
-static void add_memory(view_state *state, const char *prefix, const char *name, uint64_t planned_bytes, uint64_t bytes)
-{
-    if (state->memory_count < VIEW_MEMORY_MAX && (bytes > 0 || planned_bytes > 0)) {
-        view_memory *added = &state->memory[state->memory_count++];
-        *added = (view_memory){.planned_bytes = planned_bytes, .bytes = bytes};
-        (void)snprintf(added->name, sizeof added->name, "%s%s", prefix, name);
-    }
-}
-
-static uint64_t bytes_of(cl_mem buffer)
-{
-    size_t bytes = 0;
-    return buffer != NULL && clGetMemObjectInfo(buffer, CL_MEM_SIZE, sizeof bytes, &bytes, NULL) == CL_SUCCESS ? bytes
-                                                                                                               : 0;
-}
-
-/* ---- bytes of a tree ---- */
-
-/* plan: NULL: the tree was loaded. */
-static uint64_t planned_bytes(const svo_plan *plan, const char *name)
-{
-    const size_t count = plan != NULL ? info_of_plan(plan).buffer_count : 0;
-    for (size_t i = 0; i < count; ++i) {
-        svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
-        if (svo_plan_get_buffer(plan, i, &buffer) == SVO_OK && strcmp(buffer.name, name) == 0) {
-            return buffer.bytes;
-        }
-    }
-    return 0;
-}
-
-static void list_arrays(const svo_tree *tree, const char *prefix, const svo_plan *plan, view_state *state)
-{
-    for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
-        const char *name = svo_name(SVO_NAME_TREE_BUFFER, (svo_tree_buffer)i);
-        const uint64_t bytes = bytes_of(svo_tree_get_buffer(tree, (svo_tree_buffer)i));
-        add_memory(state, prefix, name, bytes > 0 ? planned_bytes(plan, name) : 0, bytes);
-    }
-}
-
-static int list_tree(const subject *which, view_state *state)
-{
-    const job *done = &which->done;
-    svo_plan *plan = NULL;
-    if (done->source.mesh != NULL) {
-        const uint32_t need = lighting_need(&which->running->options, &which->lit, &done->source);
-        const int exit_code = job_plan(which->running, done->opened.device, &done->source, need, &plan);
-        if (exit_code != PROGRAM_DONE) {
-            return exit_code;
-        }
-    }
-    list_arrays(done->result.tree, "", plan, state);
-    add_memory(state, "", "BVH", 0, info_of_tree(done->result.tree).ray_bytes);
-    svo_plan_destroy(&plan);
-    return PROGRAM_DONE;
-}
-
-/* ---- bytes of light ---- */
-
-static void list_light(const subject *which, view_state *state)
-{
-    const svo_light_options asked = {.struct_size = sizeof asked, .form = which->form};
-    svo_light_info planned = SVO_LIGHT_INFO_INIT;
-    svo_light_info held = SVO_LIGHT_INFO_INIT;
-    if (svo_light_plan(which->done.result.tree, &asked, &planned) != SVO_OK ||
-        svo_light_get_info(which->lit.light, &held) != SVO_OK) {
-        return;
-    }
-    for (int i = 0; i < SVO_LIGHT_BUFFER_COUNT; ++i) {
-        add_memory(state, "light ", svo_name(SVO_NAME_LIGHT_BUFFER, (svo_light_buffer)i), planned.bytes[i],
-                   held.bytes[i]);
-    }
-}
-
-/* ---- bytes of a scene ---- */
-
-static void list_scene(const subject *which, view_state *state)
-{
-    svo_scene_info held = SVO_SCENE_INFO_INIT;
-    svo_scene_info planned = SVO_SCENE_INFO_INIT;
-    if (svo_scene_get_info(placed_scene(which->placed), &held) == SVO_OK &&
-        placed_plan(which->placed, state, &planned) == SVO_OK) {
-        add_memory(state, "scene ", "trees", planned.tree_bytes, held.tree_bytes);
-        add_memory(state, "scene ", "instances", planned.instance_bytes, held.instance_bytes);
-        add_memory(state, "scene ", "hierarchy", planned.hierarchy_bytes, held.hierarchy_bytes);
-        add_memory(state, "scene ", "sort", planned.sort_bytes, held.sort_bytes);
-    }
-}
-
-/* ---- bytes of what moves ---- */
-
-static void list_film(const subject *which, view_state *state)
-{
-    svo_moving_info info = SVO_MOVING_INFO_INIT;
-    if (svo_moving_get_info(which->film.moving.moving, &info) == SVO_OK) {
-        list_arrays(film_tree(&which->film), "moving ", NULL, state);
-        add_memory(state, "moving ", "lists", 0, info.list_bytes);
-    }
-}
-
-/* ---- bytes of probes, and of all ---- */
-
-static void list_probes(const subject *which, view_state *state)
-{
-    const svo_probe_info *planned = &which->probes.plan;
-    const svo_probe_info *made = &state->probes.made;
-    for (int i = 0; i < SVO_PROBES_BUFFER_COUNT && made->probe_count > 0; ++i) {
-        add_memory(state, "probes ", svo_name(SVO_NAME_PROBES_BUFFER, (svo_probes_buffer)i), planned->bytes[i],
-                   made->bytes[i]);
-    }
-}
-
-int subject_list_memory(const subject *which, view_state *state)
-{
-    state->memory_count = 0;
-    const int exit_code = which->has_tree ? list_tree(which, state) : PROGRAM_DONE;
-    if (which->has_tree && which->is_lit) {
-        list_light(which, state);
-    }
-    if (placed_scene(which->placed) != NULL) {
-        list_scene(which, state);
-    }
-    if (film_tree(&which->film) != NULL) {
-        list_film(which, state);
-    }
-    list_probes(which, state);
-    return exit_code;
 }

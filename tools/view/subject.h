@@ -5,6 +5,7 @@
 
 #include "support/job.h"
 #include "support/lighting.h"
+#include "view/brushing.h"
 #include "view/placed.h"
 #include "view/probing.h"
 #include "view/state.h"
@@ -16,6 +17,7 @@ typedef struct subject {
     bool has_tree; /* the fields below are of a tree that can be shown alone */
     job done;
     lighting lit;
+    brushing brush; /* edits its voxels */
     unsigned level; /* of the tree's leaves */
     bool is_lit; /* lit.light is that of the fields below */
     svo_light_form form;
@@ -43,6 +45,12 @@ svo_tree *subject_tree(const subject *which, const view_state *state);
 /* Where it draws. */
 svo_device *subject_device(const subject *which);
 cl_command_queue subject_queue(const subject *which);
+
+/* What pictures of the tree alone are drawn of: it, or the brush's edit. */
+svo_target subject_target(const subject *which, const view_state *state);
+
+/* Writes what the state's brush has drawn, and what it was drawn on, to a file. Returns the exit code. */
+int subject_save_voxels(subject *which, view_state *state, const char *path);
 
 /* Whether a picture shows light that cones gather. */
 bool subject_picture_is_lit(view_picture picture);

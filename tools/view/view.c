@@ -82,6 +82,7 @@ static int take_event(viewer *which, const view_event *event)
         history_settle(state);
     }
     if (question_take(state, event) || (overlay_take(which->overlay, event) && !closes_box)) {
+        state->brush.mouse[0] = -1; /* over no picture */
         return PROGRAM_DONE;
     }
     switch (input_take(&which->mouse, event, state)) {
@@ -94,6 +95,21 @@ static int take_event(viewer *which, const view_event *event)
         break;
     }
     return PROGRAM_DONE;
+}
+
+/* The brush as a script has it. */
+static void take_brush(view_state *state, const script_brush *asked)
+{
+    state->brush.tool = asked->tool;
+    state->brush.shape = asked->shape;
+    view_choose_brush_radius(state, asked->radius);
+    for (int channel = 0; channel < 3 && asked->has_color; ++channel) {
+        state->brush.color[channel] = (float)asked->color[channel] / 255;
+    }
+    state->brush.material = asked->has_color ? asked->material : state->brush.material;
+    if (!state->brush.is_on) {
+        view_choose_brush(state, true);
+    }
 }
 
 /* The script's step of this frame, as far as it comes before the picture. */
@@ -111,6 +127,9 @@ static int play(viewer *which)
                    : program_fail(which->running, PROGRAM_FAILED, "an event of the script was refused");
     case SCRIPT_COARSE:
         which->state.settings.coarse = which->step.count;
+        return PROGRAM_DONE;
+    case SCRIPT_BRUSH:
+        take_brush(&which->state, &which->step.brush);
         return PROGRAM_DONE;
     case SCRIPT_END:
         which->state.is_done = true;
@@ -188,9 +207,10 @@ static int list_memory(viewer *which)
     const subject *shown = which->subject;
     const view_state *state = &which->state;
     const uint64_t ray_bytes = shown->has_tree ? info_of_tree(shown->done.result.tree).ray_bytes : 0;
+    const uint64_t brush_bytes = shown->brush.mirrored.device_bytes;
     const uint64_t frames = state->settings.open[VIEW_PANEL_MEMORY] ? state->revisions.film : 0;
     const uint64_t changes =
-        1 + shown->changes + placed_changes(shown->placed) + ray_bytes + shown->probes.version + frames;
+        1 + shown->changes + placed_changes(shown->placed) + ray_bytes + shown->probes.version + frames + brush_bytes;
     if (which->listed == changes) {
         return PROGRAM_DONE;
     }
@@ -220,6 +240,7 @@ static int update(viewer *which, bool *is_new)
     view_state *state = &which->state;
     const drawing_clock clock = {now_ms, which};
     int exit_code = opening_take(which);
+    exit_code = exit_code == PROGRAM_DONE && !which->work.is_closed ? saving_take(which) : exit_code;
     exit_code = exit_code == PROGRAM_DONE && !which->work.is_closed ? update_subject(which) : exit_code;
     history_look(state, which->held[0] || which->held[1] || which->held[2] || overlay_types(which->overlay));
     if (exit_code == PROGRAM_DONE && !which->work.is_closed) {

@@ -17,6 +17,7 @@
 #include "support/cleanup.h"
 #include "support/input.h"
 #include "support/picture.h"
+#include "view/dialogs.h"
 #include "view/history.h"
 
 /* ---- pictures that are saved ---- */
@@ -503,6 +504,27 @@ int opening_take(viewer *which)
     memcpy(path, state->wants_load ? state->scene_path : state->open_path, sizeof path);
     state->wants_load = state->wants_open = false;
     return open_file(which, path);
+}
+
+/* ---- voxels that are saved ---- */
+
+static int save_job(void *user)
+{
+    viewer *which = user;
+    cleanup_take();
+    return subject_save_voxels(which->subject, &which->state, which->state.question.path);
+}
+
+int saving_take(viewer *which)
+{
+    char failure[sizeof which->failure.text];
+    if (!which->state.wants_voxels) {
+        return PROGRAM_DONE;
+    }
+    const int exit_code = work_run(which, which->state.question.path, false, save_job, which);
+    memcpy(failure, which->failure.text, sizeof failure);
+    question_wrote_voxels(&which->state, exit_code == PROGRAM_DONE ? NULL : failure);
+    return which->work.exit_code;
 }
 
 /* INPUT of the command line. Whoever cancels it has nothing else to look at: that ends the program as closing does. */

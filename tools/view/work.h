@@ -25,6 +25,8 @@ int opening_input(viewer *which);
 /* Opens the file that the state asks for, if it does, in place of what is shown. Where that fails or is canceled,
    everything stays, and a box says why. Returns the exit code. */
 int opening_take(viewer *which);
+/* Writes the voxels that the state wants to be saved. Returns the exit code: where that fails, the question says so. */
+int saving_take(viewer *which);
 /* Closes what is shown. */
 void opening_close(viewer *which);
 
