@@ -34,6 +34,8 @@ all_variants()
         printf '%s\t%s RAY_STREAMS\n' kernels/rays/trace_voxels.cl "$form"
         printf 'kernels/scene/trace.cl\t%s RAY_STREAMS LANES_APART\n' "$form"
     done
+    # Rays and hits by field.
+    printf 'kernels/rays/trace.cl\tRAY_FIELDS%s\n' '' ' RAY_STREAMS' ' COUNT_HITS'
     # Packed payload.
     printf 'kernels/compact/unpack.cl\tPACKED\n'
     names='COLOR NORMAL PACKED_COLOR PACKED_NORMAL READ_SHARED HAS_BASES'

@@ -236,6 +236,12 @@ typedef enum svo_trace_flags {
     SVO_TRACE_COUNT = 2 /**< the number of triangles hit, each counted once; the record is that of the first */
 } svo_trace_flags;
 
+/** Beside one of svo_trace_flags: rays and hits lie by field instead of by record, the layout of vectorized code. An
+ *  array of ray_count words for the first of a record's eight words, then one for each other, in their order: of rays
+ *  origin x, y, z, direction x, y, z, t_min, t_max; of hits t, triangle, u, v, normal x, y, z, count. The hits are the
+ *  same. Of trees alone. */
+#define SVO_TRACE_BY_FIELD 4u
+
 #define SVO_TRACE_RAYS_MAX 0x7fffffffu /**< most rays or points in a batch */
 
 /** Traces rays against the triangles of a tree or of a scene's trees: those of the mesh as it was given, as far as
@@ -257,7 +263,7 @@ typedef enum svo_trace_flags {
  * \param rays ray_count records of svo_ray; all zero allowed when that is 0
  * \param hits receives a record for each ray, in their order: svo_hit, of a scene svo_scene_triangle_hit
  * \param ray_count at most SVO_TRACE_RAYS_MAX
- * \param flags one of svo_trace_flags; of a scene svo_scene_flags
+ * \param flags one of svo_trace_flags, SVO_TRACE_BY_FIELD added or not; of a scene svo_scene_flags
  * \param submit NULL: the device's own queue, and the call waits
  * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the target has no triangles, or its grid is beyond the range of
  *          floats), SVO_COMPILE_FAILED, SVO_CL_ERROR, SVO_OUT_OF_DEVICE_MEMORY, or what svo_tree_make_bvh returns, on

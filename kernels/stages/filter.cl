@@ -188,6 +188,16 @@ svo_k_filter(__global const uchar *masks, __global const uint *first_child, __gl
     }
 }
 
+/* The first of a group's work-items that share a top level, and how many do. On CPUs one does, without barriers, which
+   take PoCL a fifth of a second to compile. */
+#ifdef SVO_PAIR_LANES
+#define SVO_TOP_ITEM  0u
+#define SVO_TOP_ITEMS 1u
+#else
+#define SVO_TOP_ITEM  ((uint)get_local_id(0))
+#define SVO_TOP_ITEMS SVO_GROUP_ITEMS
+#endif
+
 /* params.level: the first of the levels, which is at most SVO_TOP_LEVEL. Launch: one group. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_filter_top(__global const uchar *masks, __global const uint *first_child, __global ulong *child_weights,
@@ -199,15 +209,22 @@ svo_k_filter_top(__global const uchar *masks, __global const uint *first_child, 
     svo_level_sums nodes = {weights, color_sums, normal_sums};
     const svo_payload payload = {colors, normals, fills};
     const uint last = max(params.payload_level, 1u) - 1u; /* nodes write the payload of their children */
+#ifdef SVO_PAIR_LANES
+    if (get_local_id(0) != 0u) {
+        return;
+    }
+#endif
     for (uint level = params.level + 1u; level-- > last;) {
         svo_filter_params current = params; /* of which drivers may have one for all work-items */
         current.level = level;
         current.fill_shift += 2u * (params.level - level);
         svo_make_current(&current, state);
-        for (uint index = (uint)get_local_id(0); index < current.level_count; index += SVO_GROUP_ITEMS) {
+        for (uint index = SVO_TOP_ITEM; index < current.level_count; index += SVO_TOP_ITEMS) {
             svo_filter_node(index, masks, first_child, children, nodes, payload, current);
         }
+#ifndef SVO_PAIR_LANES
         barrier(CLK_GLOBAL_MEM_FENCE);
+#endif
         const svo_level_sums above = children;
         children = nodes;
         nodes = above;

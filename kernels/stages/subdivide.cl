@@ -245,8 +245,12 @@ static uint2 svo_group_blocks(uint count)
 /* The work-items of a group that scan. On CPUs the first alone is faster, and needs no barriers. */
 #ifdef SVO_ONE_WORKER
 #define SVO_WORKERS 1u
+#define SVO_WORKER  0u
+#define SVO_WORK    SVO_CALLED
 #else
 #define SVO_WORKERS SVO_GROUP_ITEMS
+#define SVO_WORKER  ((uint)get_local_id(0))
+#define SVO_WORK    SVO_INLINED
 #endif
 
 static bool svo_is_worker(void)
@@ -403,13 +407,12 @@ typedef struct svo_level {
 
 /* Adds up what the blocks of a range stand for, and makes their nodes unless the group only counts. before: what
    precedes the range. Of the group's workers. */
-SVO_INLINED uint4 svo_walk_blocks(svo_level level, uint2 range, uint4 before, bool makes,
-                                  __global const svo_build_state *state, svo_blocks_params params,
-                                  __local uint4 *scratch)
+SVO_WORK uint4 svo_walk_blocks(svo_level level, uint2 range, uint4 before, bool makes,
+                               __global const svo_build_state *state, svo_blocks_params params, __local uint4 *scratch)
 {
     uint4 sum = before;
     for (uint tile = range.x; tile < range.y; tile += SVO_WORKERS) {
-        const uint i = tile + (uint)get_local_id(0);
+        const uint i = tile + SVO_WORKER;
         const uint block = params.block_begin + i;
         uint4 total;
         const uint4 offset =
@@ -423,18 +426,20 @@ SVO_INLINED uint4 svo_walk_blocks(svo_level level, uint2 range, uint4 before, bo
     return sum;
 }
 
-/* Empties the group's part of the blocks three levels down, where those are of nodes alone. */
-static void svo_clear_below(__global uint *blocks, __global const svo_build_state *state, svo_blocks_params params)
+/* How many blocks three levels down are to be emptied: those that are of nodes alone. */
+static uint svo_count_below(__global const svo_build_state *state, svo_blocks_params params)
 {
     const bool is_last = params.level + 3u == params.depth + params.pad;
-    svo_blocks_params below = params;
-    below.level += 3u;
-    if (is_last || params.level < params.dense) {
-        return;
-    }
-    const uint2 range = svo_group_blocks(svo_count_blocks(below, state));
+    const bool are_dense = params.level < params.dense;
+    params.level += 3u;
+    return is_last || are_dense ? 0u : svo_count_blocks(params, state);
+}
+
+/* Empties some of them. */
+static void svo_clear_below(__global uint *blocks, uint2 range, svo_blocks_params params)
+{
     __global uint16 *cleared = (__global uint16 *)blocks + params.next_begin;
-    for (uint i = range.x + (uint)get_local_id(0); i < range.y; i += SVO_WORKERS) {
+    for (uint i = range.x + SVO_WORKER; i < range.y; i += SVO_WORKERS) {
         cleared[i] = (uint16)(0u);
     }
 }
@@ -450,7 +455,7 @@ svo_k_make_nodes(__global uint *blocks, __global const uint4 *partials, __global
     const svo_level level = {blocks, ranks, masks, first_child};
     const uint2 range = svo_group_blocks(svo_count_blocks(params, state));
     (void)svo_walk_blocks(level, range, partials[get_group_id(0)], true, state, params, scratch);
-    svo_clear_below(blocks, state, params);
+    svo_clear_below(blocks, svo_group_blocks(svo_count_below(state, params)), params);
 }
 
 /* What one work-item of the group has written is seen by all. */
@@ -462,19 +467,19 @@ SVO_INLINED void svo_wait_for_workers(void)
 }
 
 /* The nodes of a level, by one group. */
-SVO_INLINED void svo_make_small_level(svo_level level, __global svo_build_state *state, svo_blocks_params params,
-                                      __local uint4 *scratch)
+SVO_WORK void svo_make_small_level(svo_level level, __global svo_build_state *state, svo_blocks_params params,
+                                   __local uint4 *scratch)
 {
     const uint2 range = (uint2)(0u, svo_count_blocks(params, state));
     const uint4 nodes = svo_walk_blocks(level, range, (uint4)(0u), false, state, params, scratch);
     svo_wait_for_workers(); /* all have read the state */
-    if (get_local_id(0) == 0 && state->overflow == 0u) {
+    if (SVO_WORKER == 0u && state->overflow == 0u) {
         svo_begin_levels(nodes, state, params);
     }
     svo_wait_for_workers();
     if (state->overflow == 0u) {
         (void)svo_walk_blocks(level, range, (uint4)(0u), true, state, params, scratch);
-        svo_clear_below(level.blocks, state, params);
+        svo_clear_below(level.blocks, (uint2)(0u, svo_count_below(state, params)), params);
     }
 }
 

@@ -457,20 +457,19 @@ SVO_FUNCTION void svo_push_one(__global const int *vertices, __global const uint
     }
 }
 
-/* The same for any window, as svo_find does. */
+/* The same of a triangle in several voxels, for any window. */
 SVO_FUNCTION void svo_push_part(svo_placed placed, svo_window window, svo_voxelize_params params,
                                 __local svo_note *notes, svo_stage *stage)
 {
 #ifdef SVO_SCANS_LANES
-    if (params.one_voxel == 0u) {
-        if (svo_fits(window, params)) {
-            svo_push_window(placed, window, params, stage);
-        }
-        return;
+    (void)notes;
+    if (svo_fits(window, params)) {
+        svo_push_window(placed, window, params, stage);
     }
-#endif
+#else
     const svo_found found = svo_find(placed, window, params, notes);
     svo_push_notes(notes, found, svo_source_of(placed, window), stage);
+#endif
 }
 
 /* The kernel's buffers. */

@@ -7,7 +7,8 @@
 #include "plan/accounts.h"
 #include "shared/layout.h"
 
-/* PoCL compiles kernels separately for launches of at most 65535 work-items and for larger ones. */
+/* PoCL compiles kernels separately for launches below 65535 work-items and for larger ones. What it has for larger ones
+   it uses for smaller ones, so that a launch of many spares one of few (core/proof.h). */
 #define LARGE_ITEMS 131072u
 /* Size of a buffer of zeros: kernels that read zero counts still write the sums, of which those of scans are the
    largest, a vector for each group. */
@@ -102,7 +103,7 @@ static bool is_made(const svo_i_warm_up *warm_up, const svo_i_warm_launch *launc
 {
     for (size_t i = 0; i < warm_up->launch_count; ++i) {
         const svo_i_warm_launch *made = &warm_up->launches[i];
-        if (made->program == launch->program && made->is_large == launch->is_large &&
+        if (made->program == launch->program && (made->is_large || !launch->is_large) &&
             strcmp(made->name, launch->name) == 0) {
             return true;
         }

@@ -619,7 +619,7 @@ svo_status svo_device_create(cl_context context, cl_device_id device, const svo_
     handle->device = device;
     handle->tests_programs = asked.trust_driver == 0;
     handle->bands = (svo_i_bands){BAND_MS, BAND_FIRST_GROUPS, BAND_LEAST_GROUPS};
-    handle->band_tiles = BAND_TILES;
+    handle->band_tiles = handle->cpu_path ? UINT32_MAX : BAND_TILES;
     *out = handle;
     return SVO_OK;
 

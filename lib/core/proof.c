@@ -43,6 +43,17 @@ svo_status svo_i_proof_buffer(svo_i_proof *proof, const void *content, size_t by
     return svo_i_work_write(&proof->work, *out, content, bytes);
 }
 
+/* PoCL (3.1, lib/CL/devices/common.c) compiles for grids below 65536 work-items, and for any grid where one is larger;
+   what it has for a larger grid it uses for a smaller one. */
+#define LARGE_ITEMS 65536
+
+svo_status svo_i_proof_launch(svo_i_proof *proof, const char *kernel, const svo_i_argument *arguments,
+                              cl_uint argument_count, uint64_t elements)
+{
+    const bool is_small = proof->work.device->cpu_path && elements < LARGE_ITEMS;
+    return svo_i_work_launch(&proof->work, kernel, arguments, argument_count, is_small ? LARGE_ITEMS : elements);
+}
+
 svo_status svo_i_proof_fail(svo_i_proof *proof, const char *kernel)
 {
     *proof->wrong = kernel;

@@ -35,6 +35,10 @@ svo_status svo_i_proof_buffer(svo_i_proof *proof, const void *content, size_t by
    static string. */
 svo_status svo_i_proof_expect(svo_i_proof *proof, const char *kernel, cl_mem buffer, const void *expected,
                               size_t bytes);
+/* Launches a kernel of which each work-item looks whether there is an element for it. On CPUs with more work-items than
+   PoCL compiles a kernel for at first: one that was launched so before is not compiled again for a larger grid. */
+svo_status svo_i_proof_launch(svo_i_proof *proof, const char *kernel, const svo_i_argument *arguments,
+                              cl_uint argument_count, uint64_t elements);
 /* Says that a kernel is wrong. */
 svo_status svo_i_proof_fail(svo_i_proof *proof, const char *kernel);
 /* Memory of the host for a case, zeroed; the caller frees it. */

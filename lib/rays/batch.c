@@ -113,24 +113,28 @@ svo_status svo_i_batch_of_voxels(svo_i_batch *batch, size_t ray_count, const cl_
 static svo_status ray_batch(svo_tree *tree, const char *function, size_t ray_count, uint32_t flags, cl_uint *any,
                             svo_i_batch *out)
 {
-    *any = flags == SVO_TRACE_ANY;
+    const uint32_t mode = flags & ~SVO_TRACE_BY_FIELD;
+    const bool by_field = mode != flags;
+    *any = mode == SVO_TRACE_ANY;
     *out = (svo_i_batch){.device = tree->device,
                          .function = function,
                          .target = svo_i_rays_target(tree),
                          .program = &svo_i_program_trace,
                          .kernel_name = "svo_k_trace",
-                         .defines = flags == SVO_TRACE_COUNT ? " -DSVO_COUNT_HITS" : "",
-                         .streams = flags != SVO_TRACE_COUNT && tree->device != NULL && tree->device->cpu_path,
+                         .defines = mode == SVO_TRACE_COUNT
+                                        ? (by_field ? " -DSVO_COUNT_HITS -DSVO_RAY_FIELDS" : " -DSVO_COUNT_HITS")
+                                        : (by_field ? " -DSVO_RAY_FIELDS" : ""),
+                         .streams = mode != SVO_TRACE_COUNT && tree->device != NULL && tree->device->cpu_path,
                          .input_name = "rays",
                          .output_name = "hits",
                          .input_bytes = sizeof(svo_ray),
                          .output_bytes = sizeof(svo_hit),
                          .count = ray_count,
                          .last_argument = {sizeof *any, any, false}};
-    return flags <= SVO_TRACE_COUNT
-               ? SVO_OK
-               : svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: flags %u is not in 0 .. %u", function,
-                                   flags, (unsigned)SVO_TRACE_COUNT);
+    return mode <= SVO_TRACE_COUNT ? SVO_OK
+                                   : svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                                                       "%s: flags %u, without SVO_TRACE_BY_FIELD, is not in 0 .. %u",
+                                                       function, mode, (unsigned)SVO_TRACE_COUNT);
 }
 
 svo_status svo_i_tree_trace_triangles(void *tree, const svo_array *rays, const svo_array *hits, size_t ray_count,

@@ -150,7 +150,8 @@ static svo_status expect_filtered(svo_i_proof *proof, const filter_case *c, cons
                : SVO_OK;
 }
 
-static svo_status prove_kernel(svo_i_proof *proof, const filter_case *c, const char *kernel, uint64_t items)
+/* per_node: one work-item each; else a group for all. */
+static svo_status prove_kernel(svo_i_proof *proof, const filter_case *c, const char *kernel, bool per_node)
 {
     svo_i_device_work *work = &proof->work;
     sum_buffers children = {NULL, NULL, NULL};
@@ -172,7 +173,8 @@ static svo_status prove_kernel(svo_i_proof *proof, const filter_case *c, const c
         SVO_I_ARGUMENT(nodes.colors),    SVO_I_ARGUMENT(nodes.normals),    SVO_I_ARGUMENT(payload[0]),
         SVO_I_ARGUMENT(payload[1]),      SVO_I_ARGUMENT(payload[2]),       SVO_I_ARGUMENT(tree[2]),
         SVO_I_ARGUMENT(c->params)};
-    SVO_I_TRY(svo_i_work_launch(work, kernel, SVO_I_ARGUMENTS(arguments), items));
+    SVO_I_TRY(per_node ? svo_i_proof_launch(proof, kernel, SVO_I_ARGUMENTS(arguments), NODES)
+                       : svo_i_work_launch(work, kernel, SVO_I_ARGUMENTS(arguments), SVO_GROUP_ITEMS));
     return expect_filtered(proof, c, kernel, &nodes, payload);
 }
 
@@ -184,8 +186,8 @@ static svo_status prove_levels(svo_i_proof *proof, void *memory)
         return SVO_OK;
     }
     fill_filter(memory);
-    SVO_I_TRY(prove_kernel(proof, memory, "svo_k_filter", NODES));
-    return prove_kernel(proof, memory, "svo_k_filter_top", SVO_GROUP_ITEMS);
+    SVO_I_TRY(prove_kernel(proof, memory, "svo_k_filter", true));
+    return prove_kernel(proof, memory, "svo_k_filter_top", false);
 }
 
 svo_status svo_i_prove_filter(svo_device *device, const char *function, const svo_i_program_entry *made,

@@ -328,8 +328,8 @@ static svo_status launch_voxelize(svo_i_proof *proof, voxels_case *c, cl_mem cou
                                         SVO_I_ARGUMENT(c->params),
                                         SVO_I_LOCAL(sizeof(cl_uint) * words),
                                         SVO_I_LOCAL(sizeof(cl_uint) * SVO_GROUP_ITEMS)};
-    return svo_i_work_launch(work, "svo_k_voxelize", SVO_I_ARGUMENTS(arguments),
-                             c->params.first_tile_id + c->params.tile_count);
+    return svo_i_proof_launch(proof, "svo_k_voxelize", SVO_I_ARGUMENTS(arguments),
+                              c->params.first_tile_id + c->params.tile_count);
 }
 
 static svo_status prove_coverage(svo_i_proof *proof, voxels_case *c, int coverage)

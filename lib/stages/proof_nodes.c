@@ -78,7 +78,7 @@ static svo_status prove_mark(svo_i_proof *proof, blocks_case *b, uint32_t level)
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(b->fragments), SVO_I_ARGUMENT(b->marks),
                                         SVO_I_ARGUMENT(b->ranks), SVO_I_ARGUMENT(b->on_device),
                                         SVO_I_ARGUMENT(b->params)};
-    SVO_I_TRY(svo_i_work_launch(&proof->work, "svo_k_mark", SVO_I_ARGUMENTS(arguments), FRAGMENTS));
+    SVO_I_TRY(svo_i_proof_launch(proof, "svo_k_mark", SVO_I_ARGUMENTS(arguments), FRAGMENTS));
     return expect_blocks(proof, b, "svo_k_mark", first_block(level) + block_count(b->nodes, level));
 }
 
@@ -87,7 +87,7 @@ static svo_status prove_mark_above(svo_i_proof *proof, blocks_case *b)
     set_block_level(b, 0);
     mark_on_host(b, 0);
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(b->marks), SVO_I_ARGUMENT(b->params)};
-    SVO_I_TRY(svo_i_work_launch(&proof->work, "svo_k_mark_above", SVO_I_ARGUMENTS(arguments), DENSE_BLOCKS / 8));
+    SVO_I_TRY(svo_i_proof_launch(proof, "svo_k_mark_above", SVO_I_ARGUMENTS(arguments), DENSE_BLOCKS / 8));
     return expect_blocks(proof, b, "svo_k_mark_above", 1);
 }
 
@@ -189,7 +189,7 @@ static svo_status prove_find(svo_i_proof *proof, const blocks_case *b)
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(b->fragments), SVO_I_ARGUMENT(b->marks),
                                         SVO_I_ARGUMENT(b->ranks),     SVO_I_ARGUMENT(cursors),
                                         SVO_I_ARGUMENT(b->on_device), SVO_I_ARGUMENT(b->params)};
-    SVO_I_TRY(svo_i_work_launch(&proof->work, "svo_k_find_leaves", SVO_I_ARGUMENTS(arguments), FRAGMENTS));
+    SVO_I_TRY(svo_i_proof_launch(proof, "svo_k_find_leaves", SVO_I_ARGUMENTS(arguments), FRAGMENTS));
     return svo_i_proof_expect(proof, "svo_k_find_leaves", cursors, b->nodes->cursors, sizeof b->nodes->cursors);
 }
 

@@ -635,6 +635,44 @@ static void an_own_kernel_traces_arrays_of_rays(void **state)
     built_destroy(&tree);
 }
 
+/* Traces rays by field and by record: the same hits, bit for bit, in whole packets and beyond them. */
+static void expect_by_field(const fixture *opened, const built *tree, const svo_ray *rays, size_t ray_count)
+{
+    enum { RAYS = 2048, WORDS = sizeof(svo_ray) / sizeof(uint32_t) };
+    static svo_hit expected[RAYS];
+    static uint32_t from[RAYS * WORDS];
+    static uint32_t to[RAYS * WORDS];
+    assert_true(ray_count <= RAYS && sizeof(svo_hit) == sizeof(svo_ray));
+    for (size_t i = 0; i < ray_count; ++i) {
+        uint32_t words[WORDS];
+        memcpy(words, &rays[i], sizeof words);
+        for (size_t k = 0; k < WORDS; ++k) {
+            from[k * ray_count + i] = words[k];
+        }
+    }
+    for (uint32_t mode = SVO_TRACE_CLOSEST; mode <= SVO_TRACE_COUNT; ++mode) {
+        const svo_submit submit = {.queue = opened->queue};
+        trace_rays(opened, tree, rays, ray_count, mode, expected);
+        memset(to, 0x5a, sizeof to);
+        assert_int_equal(svo_trace_triangles(svo_tree_target(tree->tree), svo_in_host(from), svo_in_host(to), ray_count,
+                                             mode | SVO_TRACE_BY_FIELD, &submit),
+                         SVO_OK);
+        for (size_t i = 0; i < ray_count; ++i) {
+            uint32_t words[WORDS];
+            memcpy(words, &expected[i], sizeof words);
+            for (size_t k = 0; k < WORDS; ++k) {
+                if (to[k * ray_count + i] != words[k]) {
+                    fail_msg("mode %u, ray %zu, word %zu: %08x instead of %08x", mode, i, k, to[k * ray_count + i],
+                             words[k]);
+                }
+            }
+        }
+    }
+    assert_int_equal(svo_trace_triangles(svo_tree_target(tree->tree), svo_in_host(from), svo_in_host(to), ray_count,
+                                         3 | SVO_TRACE_BY_FIELD, NULL),
+                     SVO_INVALID_ARGUMENT);
+}
+
 /* Packets whose rays come from one to four eyes, so that groups of every size occur; of each fourth packet a ray is
    invalid and another one unusually long. */
 static void rays_of_a_packet_are_traced_in_groups(void **state)
@@ -670,6 +708,8 @@ static void rays_of_a_packet_are_traced_in_groups(void **state)
         expect_hits(hits, expected, RAYS, any, "packets");
     }
     assert_in_range(met, RAYS / 8, RAYS - RAYS / 8);
+    expect_by_field(opened, &tree, rays, RAYS);
+    expect_by_field(opened, &tree, rays + 3, RAYS - 6);
     built_destroy(&tree);
 }
 
