@@ -181,8 +181,8 @@ matrix_edit()
     shift 2
     # shellcheck disable=SC2016 # expanded by the inner shell
     output=$("${runner[@]::${#runner[@]}-1}" sh -c '
-        folder=$(mktemp -d) && trap "rm -rf $folder" EXIT && cd "$folder" && cat >session.txt && path=${*##*--path } &&
-            "$0" scene knot:200 -q -o knot.obj >&2 && "$0" build "$@" -q -o tree.svo >&2 &&
+        folder=$(mktemp -d) && trap "rm -rf $folder" EXIT && cd "$folder" && cat >session.txt &&
+            path=${*##*--path } && "$0" scene knot:200 -q -o knot.obj >&2 && "$0" build "$@" -q -o tree.svo >&2 &&
             "$0" edit tree.svo session.txt --path "$path" -q -o edited.svo >&2 &&
             "$0" edit tree.svo session.txt --path "$path" --builder cl -q -o built.svo >&2 &&
             cmp edited.svo built.svo >&2 && md5sum <edited.svo' "${runner[-1]}" "$@" 2>&1 <"$matrix_session") ||
@@ -198,8 +198,9 @@ matrix_takes_part()
     [[ $column != oclgrind ]] || [[ $is_small == yes && $frontend == cl ]]
 }
 
-# One line of the table: a method to build, to trace with the builder "hits" or to edit with "edits", by the kernels of a
-# path, and by each implementation of the caller's columns. All hashes of a case must equal the first; differences go to matrix_wrong.
+# One line of the table: a method to build, to trace with the builder "hits" or to edit with "edits", by the kernels
+# of a path, and by each implementation of the caller's columns. All hashes of a case must equal the first; differences
+# go to matrix_wrong.
 matrix_wrong=()
 matrix_expected=
 matrix_row()

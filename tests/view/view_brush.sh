@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# svocl view draws on trees: what its strokes make is, byte for byte, what svocl edit makes by the same shapes, and looks
-# as svocl render draws it. Undo, redo, questions about what is unsaved, and what goes on without the brush.
+# svocl view draws on trees: what its strokes make is, byte for byte, what svocl edit makes by the same shapes, and
+# looks as svocl render draws it. Undo, redo, questions about what is unsaved, and what goes on without the brush.
 #
 # usage: view_brush.sh PROGRAM
 set -euo pipefail
@@ -168,8 +168,8 @@ grep -q '"block-edited.svo"' block-scene.json || complain "the scene is not of w
 
 # A drag from beside the block turns the camera, and so does one with Shift.
 for drag in 'drag 20 20 60 40 3' 'drag shift+left 160 120 200 140 3'; do
-    printf 'key tab\ncoarse 1\nkey u\nrefine\nshot before.png\n%s\nrefine\nshot turned.png\nkey ctrl+q\nwait 2\nshot open.png\n' \
-        "$drag" | view block.svo
+    printf '%s\n' 'key tab' 'coarse 1' 'key u' refine 'shot before.png' "$drag" refine 'shot turned.png' \
+        'key ctrl+q' 'wait 2' 'shot open.png' | view block.svo
     cmp -s before.png turned.png && complain "$drag does not turn the camera"
     [[ ! -e open.png ]] || complain "$drag draws"
 done

@@ -55,7 +55,10 @@ static svo_status begin(brushing *which, const svo_tree *tree, svo_message *mess
     const svo_edit_options asked = {.struct_size = sizeof asked, .undo_count = UNDO_COUNT};
     svo_voxels *voxels = NULL;
     svo_status status = svo_tree_get_voxels(tree, &voxels, message);
-    status = status == SVO_OK ? svo_edit_create(voxels, &asked, &which->edit, message) : status;
+    if (status != SVO_OK) {
+        return status;
+    }
+    status = svo_edit_create(voxels, &asked, &which->edit, message);
     if (status == SVO_OK) {
         find_bounds(which, voxels);
         status = svo_edit_mirror_create(which->device, which->edit, which->queue, &which->mirror);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Undo and redo. What is edited, sources of light, sky, instances, their motions, lights of scenes and the position of
- * the brush, is compared with a copy after each frame; a difference is a step. So every edit is one, whatever made it; a
- * drag is one step, and so is a turn of the wheel. A step holds the elements that differ, as they were and as they are.
+ * the brush, is compared with a copy after each frame; a difference is a step. So every edit is one, whatever made it;
+ * a drag is one step, and so is a turn of the wheel. A step holds the elements that differ, as they were and as they
+ * are.
  */
 #ifndef SVOCL_TOOLS_VIEW_HISTORY_H
 #define SVOCL_TOOLS_VIEW_HISTORY_H

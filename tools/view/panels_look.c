@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the picture shows: the sections View, Camera, Brush and Settings; and what helps to read it, the axes of the world and
-   the legend of a view of numbers. */
+/* What the picture shows: the sections View, Camera, Brush and Settings; and what helps to read it, the axes of the
+   world and the legend of a view of numbers. */
 #include "view/panels_pages.h"
 
 #include <math.h>

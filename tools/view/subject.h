@@ -55,8 +55,4 @@ int subject_save_voxels(subject *which, view_state *state, const char *path);
 /* Whether a picture shows light that cones gather. */
 bool subject_picture_is_lit(view_picture picture);
 
-/* Lists the buffers of tree, light and scene in the state, beside what plans said of them. What no plan lists has no
-   planned bytes. Returns the exit code. */
-int subject_list_memory(const subject *which, view_state *state);
-
 #endif

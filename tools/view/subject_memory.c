@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The bytes of what is looked at: buffers of trees, lights, scenes and probes, beside what plans say of them. */
+/* Buffers of trees, lights, scenes and probes, beside what plans say of them. */
+#include "view/subject_memory.h"
+
 #include <stdio.h>
 #include <string.h>
 
 #include "support/info_of.h"
-#include "view/subject.h"
 
 /* ---- bytes on the device, by OpenCL, beside plans by the library ---- */
 

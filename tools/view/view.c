@@ -12,6 +12,7 @@
 #include "view/dialogs.h"
 #include "view/edit.h"
 #include "view/history.h"
+#include "view/subject_memory.h"
 #include "view/work.h"
 
 /* While nothing changes, frames come this often: panels may still change, and so may what the driver has to say. */
