@@ -562,28 +562,36 @@ static void test_streams(void **state)
     bytes_free(&made.bytes);
 }
 
+/* Voxels of an active tile have the color of a tile in their place, and are white where that is not active. */
 static void test_tiles(void **state)
 {
     (void)state;
-    const grid_spec specs[] = {
-        {.name = "fog", .type = "Tree_float_5_4_3", .values = ONES, .compression = MASK | ZIP, .has_tile = true},
-        {.name = "color", .type = "Tree_vec3s_5_4_3", .values = COLORS, .compression = MASK, .has_tile = true}};
-    made_file made = begin_file(224, true, 2);
-    put_grid(&made, &specs[0], true);
-    put_grid(&made, &specs[1], true);
-    svo_voxels *list = read_file(&made, NULL);
-    const svo_voxels_info info = info_of(list);
-    uint64_t of_tile = 0;
-    for (uint64_t i = 0; i < info.voxel_count; ++i) {
-        const svo_voxel *voxel = &svo_voxels_get(list)[i];
-        if (voxel->z < corner[2]) { /* the color of slot 1 */
-            assert_true(voxel->z >= corner[2] - 8 && voxel->rgba[0] == 255 && voxel->rgba[1] == 0);
-            ++of_tile;
+    for (int colored = 0; colored < 2; ++colored) {
+        const grid_spec specs[] = {
+            {.name = "fog", .type = "Tree_float_5_4_3", .values = ONES, .compression = MASK | ZIP, .has_tile = true},
+            {.name = "color",
+             .type = "Tree_vec3s_5_4_3",
+             .values = COLORS,
+             .compression = MASK,
+             .has_tile = colored != 0}};
+        made_file made = begin_file(224, true, 2);
+        put_grid(&made, &specs[0], true);
+        put_grid(&made, &specs[1], true);
+        svo_voxels *list = read_file(&made, NULL);
+        const svo_voxels_info info = info_of(list);
+        uint64_t of_tile = 0;
+        for (uint64_t i = 0; i < info.voxel_count; ++i) {
+            const svo_voxel *voxel = &svo_voxels_get(list)[i];
+            if (voxel->z < corner[2]) { /* the color of slot 1 */
+                assert_true(voxel->z >= corner[2] - 8 && voxel->rgba[0] == 255);
+                assert_int_equal(voxel->rgba[1], colored != 0 ? 0 : 255);
+                ++of_tile;
+            }
         }
+        assert_int_equal(of_tile, LEAF);
+        assert_int_equal(info.voxel_count, LEAF + (LEAF + 2) / 3);
+        svo_voxels_destroy(&list);
     }
-    assert_int_equal(of_tile, LEAF);
-    assert_int_equal(info.voxel_count, LEAF + (LEAF + 2) / 3);
-    svo_voxels_destroy(&list);
 }
 
 /* ---- maps ---- */
