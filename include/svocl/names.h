@@ -36,7 +36,7 @@ typedef enum svo_name_kind {
     SVO_NAME_PROBES_BUFFER, /**< svo_probes_buffer: "places", ... */
     SVO_NAME_PROBES_STAGE, /**< svo_probes_stage: "placing", ... */
     SVO_NAME_VOXEL_FORMAT, /**< svo_voxel_format: "auto", "vox", "svx", "binvox", "ply", "obj",
-                               "nvdb", "slab6", "bt", "las", "laz" */
+                               "nvdb", "slab6", "bt", "las", "laz", "vdb" */
     SVO_NAME_GL_CONTEXT_KIND, /**< svo_gl_context_kind: "surfaceless", "egl-device", "osmesa", "wrapped" */
     SVO_NAME_GL_RASTER, /**< svo_gl_raster: "auto", "gl-expand", "gl-hw", "gl-hybrid" */
     SVO_NAME_GL_SHARE, /**< svo_gl_share: "auto", "interop", "host", "copy" */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** \file
- * Voxel files (svocl::io): .vox, .svx, .binvox, .nvdb and .bt to lists of voxels and back, points as .ply, cubes as
+ * Voxel files (svocl::io): .vox, .svx, .binvox, .nvdb, .vdb and .bt to lists of voxels and back, points as .ply, cubes as
  * .obj.
  *
  *     format    read  write  holds
@@ -9,6 +9,7 @@
  *     .svx      yes   yes    Shapeways: slices as PNG images in a zip archive. Needs libzip and expat
  *     .binvox   yes   yes    occupancy, run by run
  *     .nvdb     yes   yes    NanoVDB, version 32: occupancy, RGBA8 colors, materials. Needs NanoVDB's header to build
+ *     .vdb      yes   yes    OpenVDB, version 224: the same, colors in linear light. Needs zlib; of others BLOSC
  *     .bt       yes   yes    OctoMap: occupancy, with the width of voxels
  *     .ply      no    yes    a point at the center of each voxel, with color and material; or rectangles
  *     .obj      no    yes    the faces between voxels and what is empty, with colors; or rectangles
@@ -47,7 +48,8 @@ typedef enum svo_voxel_format {
     SVO_VOXEL_FORMAT_SLAB6, /**< "slab6": is only read; its files end in .vox too */
     SVO_VOXEL_FORMAT_BT, /**< "bt" */
     SVO_VOXEL_FORMAT_LAS, /**< "las": points, which svo_points_load reads (points.h) */
-    SVO_VOXEL_FORMAT_LAZ /**< "laz": compressed points, which are not read */
+    SVO_VOXEL_FORMAT_LAZ, /**< "laz": compressed points, which are not read */
+    SVO_VOXEL_FORMAT_VDB /**< "vdb" */
 } svo_voxel_format;
 
 /** The format that a file is written in by its suffix, in upper or lower case.
@@ -70,7 +72,7 @@ typedef struct svo_voxels_load_options {
     svo_log_callback log; /**< receives warnings of what is not read; NULL: nothing is called */
     void *log_user; /**< passed to log */
     /** Host memory of the reading and of the list, for its whole life; NULL: malloc and free. libzip, expat and
-     *  stb_image, which read .svx files, have their own, by malloc. */
+     *  stb_image, which read .svx files, and libblosc have their own, by malloc. */
     const svo_memory_callbacks *memory;
     uint32_t axes; /**< an svo_axes: which axis is up in the file. In the list it is y, but for SVO_AXES_KEEP */
     uint32_t reserved; /**< 0 */
@@ -83,7 +85,7 @@ typedef struct svo_voxels_load_options {
 typedef struct svo_voxel_file_info {
     size_t struct_size; /**< sizeof(svo_voxel_file_info) */
     uint32_t format; /**< svo_voxel_format */
-    uint32_t version; /**< .vox: 150 or 200; .binvox: 1 or 2; .nvdb: 32; .svx: 0 */
+    uint32_t version; /**< .vox: 150 or 200; .binvox: 1 or 2; .nvdb: 32; .vdb: 222 to 225; .svx: 0 */
     uint64_t models; /**< .vox: models in the file; else 1 */
     uint64_t instances; /**< models placed */
     uint64_t rotated_instances; /**< of those, with a rotation or a mirror */
@@ -106,7 +108,7 @@ typedef struct svo_voxel_file_info {
 /** All zero. */
 #define SVO_VOXEL_FILE_INFO_INIT SVO_STRUCT_INIT(svo_voxel_file_info)
 
-/** Reads a .vox, .svx, .binvox, .nvdb or .bt file; its bytes say which. docs/voxel_files.md says what becomes of each
+/** Reads a .vox, .svx, .binvox, .nvdb, .vdb or .bt file; its bytes say which. docs/voxel_files.md says what becomes of each
  *  part. svo_voxels_left_out says what the list lacks.
  *
  * \param source the file
@@ -116,8 +118,10 @@ typedef struct svo_voxel_file_info {
  * \param message receives what is wrong and where; NULL allowed
  * \returns SVO_FILE_ERROR (cannot be read), SVO_FILE_DAMAGED, SVO_UNSUPPORTED (a file that Teardown compressed; a
  *          .svx file, and the library was built without libzip or expat; a .nvdb file that is packed or of another
- *          version, or the library was built without NanoVDB's header), SVO_INVALID_ARGUMENT (no such frame, too many
- *          voxels, memory is not valid) or SVO_OUT_OF_HOST_MEMORY on failure. */
+ *          version, or the library was built without NanoVDB's header; a .vdb file of another version or compression,
+ *          whose map turns voxels, with no grid that is read, or the library was built without zlib),
+ *          SVO_INVALID_ARGUMENT (no such frame, too many voxels, memory is not valid) or SVO_OUT_OF_HOST_MEMORY on
+ *          failure. */
 SVO_API svo_status svo_voxels_load(svo_source source, const svo_voxels_load_options *options, svo_voxels **out,
                                    svo_voxel_file_info *info, svo_message *message);
 
@@ -198,7 +202,7 @@ typedef struct svo_voxels_save_info {
  *  k-means finds. Properties are written to the materials' chunks. .binvox: the occupancy, in the smallest cube whose
  *  edge is a power of two. .svx: occupancy, colors without alpha, and materials unless one is above 255. .nvdb: a grid
  *  "density", a fog volume that is 1 in voxels, and where there are any, grids "color" and "material" of the same
- *  voxels. .bt: the occupancy, at planes that are whole multiples of voxel_edge: places are moved to the nearest.
+ *  voxels. .vdb: the same grids in OpenVDB's types, without alpha. .bt: the occupancy, at planes that are whole multiples of voxel_edge: places are moved to the nearest.
  *  Voxels may be 32768 from the origin, at most. None of these has properties of materials; .vox has neither origin nor
  *  voxel_edge. svo_voxels_set_axes says which axis is up in the file: z in .vox and .bt, unless it says otherwise.
  *
@@ -245,6 +249,16 @@ SVO_API svo_status svo_voxels_save_faces(const svo_voxels *voxels, svo_sink sink
  * \returns SVO_FILE_ERROR, SVO_UNSUPPORTED (more voxels along an axis; svocl was built without NanoVDB's header),
  *          SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_sdf_save(const svo_sdf *sdf, svo_sink sink, svo_message *message);
+
+/** The same in a format that is chosen: .nvdb, or .vdb for OpenVDB.
+ *
+ * \param sdf as above
+ * \param sink receives the file
+ * \param format SVO_VOXEL_FORMAT_NVDB, SVO_VOXEL_FORMAT_VDB, or AUTO: by the suffix of the sink's path
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns what svo_sdf_save returns; SVO_INVALID_ARGUMENT also for another format, SVO_UNSUPPORTED for .vdb where svocl
+ *          was built without zlib. */
+SVO_API svo_status svo_sdf_save_as(const svo_sdf *sdf, svo_sink sink, svo_voxel_format format, svo_message *message);
 
 #ifdef __cplusplus
 }

@@ -60,7 +60,7 @@ static const char *const probes_buffers[SVO_PROBES_BUFFER_COUNT] = {"places", "t
 static const char *const probes_stages[SVO_PROBES_STAGE_COUNT] = {"placing", "texels", "radiance",
                                                                   "least",   "field",  "prefilter"};
 static const char *const voxel_formats[] = {"auto", "vox",   "svx", "binvox", "ply", "obj",
-                                            "nvdb", "slab6", "bt",  "las",    "laz"};
+                                            "nvdb", "slab6", "bt",  "las",    "laz", "vdb"};
 static const char *const context_kinds[SVO_GL_WRAPPED + 1] = {[SVO_GL_SURFACELESS] = "surfaceless",
                                                               [SVO_GL_EGL_DEVICE] = "egl-device",
                                                               [SVO_GL_OSMESA] = "osmesa",

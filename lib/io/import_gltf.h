@@ -126,7 +126,4 @@ svo_status svo_i_gltf_material(gltf_file *file, texture_list *textures, uint32_t
 /* The alpha of a vertex, without the base color's. */
 uint8_t svo_i_gltf_alpha_byte(const gltf_alpha *alpha, double value);
 
-/* Linear [0, 1] to sRGB (IEC 61966-2-1), 0 .. 255, rounded; the same on every platform. */
-uint8_t svo_i_gltf_srgb_byte(double linear);
-
 #endif

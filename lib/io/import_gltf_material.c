@@ -5,36 +5,14 @@
  * products of light. Metal, roughness and what else changes highlights alone is not read.
  */
 #include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "core/message.h"
 #include "io/import_gltf.h"
+#include "io/srgb.h"
 
 #define GLOSS_EXPONENT 1000.0 /* of full glossiness */
-#define SRGB_LINEAR    0.0031308 /* below, the curve is a line */
-
-/* x^(5/12), the curve's 1 / 2.4: the fifth power of the cube root of the fourth root. Of square roots, which IEEE 754
-   rounds correctly, and of Newton's steps, so that all platforms agree. */
-static double power_5_12(double x)
-{
-    const double fourth = sqrt(sqrt(x));
-    double root = 1;
-    for (int i = 0; i < 8; ++i) {
-        root -= (root - fourth / (root * root)) / 3;
-    }
-    return root * root * root * root * root;
-}
-
-uint8_t svo_i_gltf_srgb_byte(double linear)
-{
-    if (!(linear > 0)) {
-        return 0;
-    }
-    const double coded = linear >= 1 ? 1 : linear < SRGB_LINEAR ? 12.92 * linear : 1.055 * power_5_12(linear) - 0.055;
-    return (uint8_t)(coded * 255 + 0.5);
-}
 
 uint8_t svo_i_gltf_alpha_byte(const gltf_alpha *alpha, double value)
 {
@@ -186,7 +164,7 @@ svo_status svo_i_gltf_material(gltf_file *file, texture_list *textures, uint32_t
     texture = texture != NULL ? texture : svo_i_gltf_get(metal, "baseColorTexture");
     SVO_I_TRY(read_alpha(file, source, color[3], &look->alpha));
     for (int i = 0; i < 3; ++i) {
-        look->material.rgba[i] = svo_i_gltf_srgb_byte(color[i]);
+        look->material.rgba[i] = svo_i_srgb_byte(color[i]);
     }
     /* Of a mask, what the factor does is in the texels and vertices already. */
     look->material.rgba[3] = svo_i_gltf_alpha_byte(&look->alpha, look->alpha.is_mask ? 1 : color[3]);

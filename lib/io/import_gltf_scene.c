@@ -14,6 +14,7 @@
 #include "io/import_formats.h"
 #include "io/import_gather.h"
 #include "io/import_gltf.h"
+#include "io/srgb.h"
 
 #define NODE_DEPTH_MAX 1000 /* bounds the recursion; deeper files are damaged */
 #define MATERIALS_MAX  UINT16_MAX
@@ -249,7 +250,7 @@ static gather_vertex make_vertex(const primitive *p, const transform *t, uint32_
         vector[3] = 1;
         get_vector(&p->colors, number, vector);
         for (int i = 0; i < 3; ++i) {
-            vertex.color[i] = svo_i_gltf_srgb_byte(vector[i]);
+            vertex.color[i] = svo_i_srgb_byte(vector[i]);
         }
         vertex.color[3] = svo_i_gltf_alpha_byte(&p->look->alpha, vector[3]);
     }

@@ -8,6 +8,7 @@
 
 #include "core/struct_size.h"
 #include "io/files.h"
+#include "io/srgb.h"
 #include "io/voxels_files.h"
 #include "svocl/io.h"
 
@@ -179,29 +180,6 @@ static svo_status put_obj(mesh_writer *w)
  * One primitive. Colors are linear in glTF: 16 bits a component, which give the bytes of sRGB back.
  */
 
-/* The fifth root of x in 0 .. 1, by Newton's method from above: the last bits of the C library's functions differ. */
-static double fifth_root(double x)
-{
-    double root = 1.0;
-    for (int i = 0; i < 40 && x > 0.0; ++i) {
-        const double fourth = root * root * root * root;
-        root -= (root - x / fourth) / 5.0;
-    }
-    return root;
-}
-
-/* sRGB's curve (IEC 61966-2-1): x^2.4 is the fifth root of x to the power of 12. */
-static void make_linear(uint16_t linear[256])
-{
-    for (int i = 0; i < 256; ++i) {
-        const double coded = i / 255.0;
-        const double root = fifth_root((coded + 0.055) / 1.055);
-        const double cube = root * root * root;
-        const double value = coded <= 0.04045 ? coded / 12.92 : cube * cube * cube * cube;
-        linear[i] = (uint16_t)(value * 65535.0 + 0.5);
-    }
-}
-
 /* The least and the greatest coordinates, as JSON. */
 static void describe_bounds(const svo_mesh *mesh, char text[TEXT_BYTES])
 {
@@ -342,7 +320,9 @@ static svo_status put_glb(mesh_writer *w)
     }
     const uint32_t head[3] = {GLB_MAGIC, GLB_VERSION, (uint32_t)total};
     const uint32_t chunks[2][2] = {{(uint32_t)json.used, GLB_JSON}, {(uint32_t)bytes, GLB_BINARY}};
-    make_linear(w->linear);
+    for (int i = 0; i < 256; ++i) {
+        w->linear[i] = (uint16_t)(svo_i_srgb_linear((uint8_t)i) * 65535.0 + 0.5);
+    }
     SVO_I_TRY(put_words(w, head, 3));
     SVO_I_TRY(put_words(w, chunks[0], 2));
     SVO_I_TRY(put(w, json.text, json.used));

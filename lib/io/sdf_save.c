@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* svo_sdf_save: a field as a list of voxels with distances in place of colors, which the .nvdb writer takes. */
+/* svo_sdf_save: a field as a list of voxels with distances in place of colors, for the writers of .nvdb and .vdb. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -8,8 +8,6 @@
 #include "svocl/nodes.h"
 
 #define DEPTH_MAX 12 /* one node below the root */
-
-static const char function[] = "svo_sdf_save";
 
 static void put_voxel(const svo_sdf_info *info, const svo_sdf_arrays *arrays, uint64_t index, svo_voxel *voxel)
 {
@@ -37,8 +35,8 @@ static float find_background(const svo_sdf_info *info, const svo_sdf_arrays *arr
     return greatest;
 }
 
-static svo_status make_list(const svo_sdf_info *info, const svo_sdf_arrays *arrays, svo_voxels **out,
-                            svo_message *message)
+static svo_status make_list(const char *function, const svo_sdf_info *info, const svo_sdf_arrays *arrays,
+                            svo_voxels **out, svo_message *message)
 {
     svo_voxels_source source = {.struct_size = sizeof source,
                                 .voxel_count = info->voxel_count,
@@ -62,7 +60,8 @@ static svo_status make_list(const svo_sdf_info *info, const svo_sdf_arrays *arra
     return status;
 }
 
-svo_status svo_sdf_save(const svo_sdf *sdf, svo_sink sink, svo_message *message)
+static svo_status save(const char *function, const svo_sdf *sdf, svo_sink sink, svo_voxel_format format,
+                       svo_message *message)
 {
     svo_sdf_info info = SVO_SDF_INFO_INIT;
     svo_sdf_arrays arrays = SVO_SDF_ARRAYS_INIT;
@@ -77,12 +76,33 @@ svo_status svo_sdf_save(const svo_sdf *sdf, svo_sink sink, svo_message *message)
                           "%s: the field has no host arrays; call svo_sdf_download first", function);
     }
     if (info.depth > DEPTH_MAX) {
-        return svo_i_fail(message, SVO_UNSUPPORTED, "%s: depth %u is above %d for .nvdb", function, info.depth,
+        return svo_i_fail(message, SVO_UNSUPPORTED, "%s: depth %u is above %d for .nvdb and .vdb", function, info.depth,
                           DEPTH_MAX);
     }
     voxel_writer writer = {.background = find_background(&info, &arrays)};
-    SVO_I_TRY(make_list(&info, &arrays, &list, message));
-    const svo_status status = svo_i_voxels_save_by(function, list, sink, SVO_VOXEL_FORMAT_NVDB, &writer, NULL, message);
+    SVO_I_TRY(make_list(function, &info, &arrays, &list, message));
+    const svo_status status = svo_i_voxels_save_by(function, list, sink, format, &writer, NULL, message);
     svo_voxels_destroy(&list);
     return status;
+}
+
+svo_status svo_sdf_save(const svo_sdf *sdf, svo_sink sink, svo_message *message)
+{
+    return save("svo_sdf_save", sdf, sink, SVO_VOXEL_FORMAT_NVDB, message);
+}
+
+svo_status svo_sdf_save_as(const svo_sdf *sdf, svo_sink sink, svo_voxel_format format, svo_message *message)
+{
+    static const char function[] = "svo_sdf_save_as";
+    if (format == SVO_VOXEL_FORMAT_AUTO) {
+        format = svo_voxel_format_of_path(sink.path);
+    }
+    if (format != SVO_VOXEL_FORMAT_NVDB && format != SVO_VOXEL_FORMAT_VDB) {
+        return sink.path != NULL ? svo_i_fail(message, SVO_INVALID_ARGUMENT,
+                                              "%s: the suffix of '%s' is neither nvdb nor vdb, and format is %d",
+                                              function, sink.path, (int)format)
+                                 : svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: format %d is neither %d nor %d",
+                                              function, (int)format, SVO_VOXEL_FORMAT_NVDB, SVO_VOXEL_FORMAT_VDB);
+    }
+    return save(function, sdf, sink, format, message);
 }

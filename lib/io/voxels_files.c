@@ -9,6 +9,7 @@
 
 #include "core/memory.h"
 #include "core/struct_size.h"
+#include "io/voxels_formats.h"
 
 bool svo_i_voxels_are_turned(svo_axes axes, svo_voxel_format format)
 {
@@ -231,7 +232,8 @@ svo_status svo_i_voxels_put(voxel_writer *writer, const void *bytes, size_t byte
     return SVO_OK;
 }
 
-svo_status svo_i_voxels_sorted(const voxel_writer *writer, svo_i_voxel_order order, svo_voxel **out)
+svo_status svo_i_voxels_sorted(const voxel_writer *writer, const int32_t low[3], svo_i_voxel_order order,
+                               svo_voxel **out)
 {
     const size_t count = (size_t)writer->list.voxel_count;
     svo_voxel *sorted = svo_i_alloc(writer->memory, count * sizeof *sorted + 1);
@@ -243,8 +245,7 @@ svo_status svo_i_voxels_sorted(const voxel_writer *writer, svo_i_voxel_order ord
     }
     if (count > 0) {
         memcpy(sorted, writer->voxels, count * sizeof *sorted);
-        svo_i_voxel_sort(sorted, spare, count, writer->list.low, svo_i_voxel_bits(writer->list.low, writer->list.high),
-                         order);
+        svo_i_voxel_sort(sorted, spare, count, low, svo_i_voxel_bits(low, writer->list.high), order);
     }
     svo_i_free(spare);
     *out = sorted;
@@ -321,3 +322,41 @@ svo_status svo_voxels_left_out(const svo_voxel_file_info *info, svo_message *tex
     add_part(text, file.other_chunks, "chunk of another kind", "chunks of other kinds");
     return SVO_OK;
 }
+
+/* ---- formats that the library was built without ---- */
+
+#ifndef SVOCL_SVX
+svo_status svo_i_voxels_read_svx(voxel_reader *reader)
+{
+    return svo_i_voxels_fail(reader, SVO_UNSUPPORTED, "%s", VOXELS_NO_SVX);
+}
+
+svo_status svo_i_voxels_write_svx(voxel_writer *writer)
+{
+    return svo_i_voxels_write_fail(writer, SVO_UNSUPPORTED, "%s", VOXELS_NO_SVX);
+}
+#endif
+
+#ifndef SVOCL_NVDB
+svo_status svo_i_voxels_read_nvdb(voxel_reader *reader)
+{
+    return svo_i_voxels_fail(reader, SVO_UNSUPPORTED, "%s", VOXELS_NO_NVDB);
+}
+
+svo_status svo_i_voxels_write_nvdb(voxel_writer *writer)
+{
+    return svo_i_voxels_write_fail(writer, SVO_UNSUPPORTED, "%s", VOXELS_NO_NVDB);
+}
+#endif
+
+#ifndef SVOCL_VDB
+svo_status svo_i_voxels_read_vdb(voxel_reader *reader)
+{
+    return svo_i_voxels_fail(reader, SVO_UNSUPPORTED, "%s", VOXELS_NO_VDB);
+}
+
+svo_status svo_i_voxels_write_vdb(voxel_writer *writer)
+{
+    return svo_i_voxels_write_fail(writer, SVO_UNSUPPORTED, "%s", VOXELS_NO_VDB);
+}
+#endif

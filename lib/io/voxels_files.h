@@ -106,7 +106,7 @@ typedef struct voxel_writer {
     svo_voxels_info list;
     bool is_turned; /* the list is the caller's with z up */
     bool as_faces; /* .ply and .obj: as merged faces */
-    float background; /* .nvdb: above 0, colors are floats, distances, and this is the greatest; else 0 */
+    float background; /* .nvdb, .vdb: above 0, colors are floats, distances, and this is the greatest; else 0 */
     const svo_voxel_property *properties;
     svo_voxels_save_info info;
     uint8_t *buffer; /* VOXEL_BUFFER_BYTES; owned */
@@ -122,8 +122,10 @@ svo_status svo_i_voxels_put(voxel_writer *writer, const void *bytes, size_t byte
 /* Gives what is in the buffer to the sink. */
 svo_status svo_i_voxels_flush(voxel_writer *writer);
 
-/* A copy of the voxels in another order, for svo_i_free. */
-svo_status svo_i_voxels_sorted(const voxel_writer *writer, svo_i_voxel_order order, svo_voxel **out);
+/* A copy of the voxels in another order, for svo_i_free. low: a corner from which on codes are made, at most that of the
+   list. */
+svo_status svo_i_voxels_sorted(const voxel_writer *writer, const int32_t low[3], svo_i_voxel_order order,
+                               svo_voxel **out);
 
 /* Whether the list has a voxel there, by its Morton code. */
 bool svo_i_voxels_has(const voxel_writer *writer, const int32_t place[3]);

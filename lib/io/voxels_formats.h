@@ -9,6 +9,7 @@
 svo_status svo_i_voxels_read_vox(voxel_reader *reader);
 svo_status svo_i_voxels_read_svx(voxel_reader *reader);
 svo_status svo_i_voxels_read_nvdb(voxel_reader *reader);
+svo_status svo_i_voxels_read_vdb(voxel_reader *reader);
 svo_status svo_i_voxels_read_bt(voxel_reader *reader);
 
 /* Checks a .vox file and fills the reader's info, as reading does, without a list. Where the reader has a take_part, the
@@ -19,6 +20,7 @@ svo_status svo_i_voxels_check_vox(voxel_reader *reader);
 svo_status svo_i_voxels_write_vox(voxel_writer *writer);
 svo_status svo_i_voxels_write_svx(voxel_writer *writer);
 svo_status svo_i_voxels_write_nvdb(voxel_writer *writer);
+svo_status svo_i_voxels_write_vdb(voxel_writer *writer);
 svo_status svo_i_voxels_write_bt(voxel_writer *writer);
 /* Writes a list to a sink, for the functions that save lists. writer: what is to be written, and how. info: NULL
    allowed. */
@@ -43,5 +45,6 @@ typedef enum svx_kind { SVX_DENSITY, SVX_COLOR, SVX_MATERIAL, SVX_KINDS } svx_ki
 /* Why there is neither where the library is built without what they need. */
 #define VOXELS_NO_SVX  ".svx needs libzip and expat, which svocl was built without"
 #define VOXELS_NO_NVDB ".nvdb needs NanoVDB's header, which svocl was built without"
+#define VOXELS_NO_VDB  ".vdb needs zlib, which svocl was built without"
 
 #endif

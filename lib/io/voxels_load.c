@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Voxel files to lists of voxels: reads the file into memory, and finds its reader by its first bytes. Those of .binvox
- * files and of SLAB6's are here; voxels_vox.c, voxels_svx.c, voxels_nvdb.c and voxels_bt.c have the others. Also .vox
- * files to themselves, and by their models.
+ * files and of SLAB6's are here; voxels_vox.c, voxels_svx.c, voxels_nvdb.c, voxels_vdb.c and voxels_bt.c have the
+ * others. Also .vox files to themselves, and by their models.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <inttypes.h>
@@ -15,6 +15,7 @@
 #include "core/struct_size.h"
 #include "io/import_text.h"
 #include "io/voxels_formats.h"
+#include "io/voxels_vdb_file.h"
 
 #define BINVOX_MAGIC      "#binvox"
 #define VOX_MAGIC         "VOX "
@@ -291,28 +292,12 @@ static svo_status read_slab6(voxel_reader *reader, const int32_t size[3])
     return SVO_OK;
 }
 
-/* ---- formats that the library was built without ---- */
-
-#ifndef SVOCL_SVX
-svo_status svo_i_voxels_read_svx(voxel_reader *reader)
-{
-    return svo_i_voxels_fail(reader, SVO_UNSUPPORTED, "%s", VOXELS_NO_SVX);
-}
-#endif
-
-#ifndef SVOCL_NVDB
-svo_status svo_i_voxels_read_nvdb(voxel_reader *reader)
-{
-    return svo_i_voxels_fail(reader, SVO_UNSUPPORTED, "%s", VOXELS_NO_NVDB);
-}
-#endif
-
 /* ---- loading ---- */
 
 svo_voxel_format svo_voxel_format_of_path(const char *path)
 {
     const char *dot = path != NULL ? strrchr(path, '.') : NULL;
-    for (uint32_t format = SVO_VOXEL_FORMAT_VOX; format <= SVO_VOXEL_FORMAT_LAZ && dot != NULL; ++format) {
+    for (uint32_t format = SVO_VOXEL_FORMAT_VOX; format <= SVO_VOXEL_FORMAT_VDB && dot != NULL; ++format) {
         if (format != SVO_VOXEL_FORMAT_SLAB6 && strcasecmp(dot + 1, svo_name(SVO_NAME_VOXEL_FORMAT, format)) == 0) {
             return (svo_voxel_format)format;
         }
@@ -352,6 +337,10 @@ static svo_status read_format(voxel_reader *reader)
         reader->info.format = SVO_VOXEL_FORMAT_NVDB;
         return svo_i_voxels_read_nvdb(reader);
     }
+    if (reader->byte_count >= VDB_MAGIC_BYTES && memcmp(reader->bytes, VDB_MAGIC "\0\0\0", VDB_MAGIC_BYTES) == 0) {
+        reader->info.format = SVO_VOXEL_FORMAT_VDB;
+        return svo_i_voxels_read_vdb(reader);
+    }
     if (begins(reader, VOXELS_BT_MAGIC)) {
         reader->info.format = SVO_VOXEL_FORMAT_BT;
         return svo_i_voxels_read_bt(reader);
@@ -363,7 +352,8 @@ static svo_status read_format(voxel_reader *reader)
         reader->info.format = SVO_VOXEL_FORMAT_SLAB6;
         return read_slab6(reader, size);
     }
-    return svo_i_voxels_damaged(reader, "byte 0: neither a .vox nor a .svx nor a .binvox nor a .nvdb nor a .bt file");
+    return svo_i_voxels_damaged(
+        reader, "byte 0: neither a .vox nor a .svx nor a .binvox nor a .nvdb nor a .vdb nor a .bt file");
 }
 
 /* From z up to y up. */

@@ -7,6 +7,7 @@
 #include <inttypes.h>
 #include <math.h>
 
+#include "io/srgb.h"
 #include "io/voxels_files.h"
 #include "io/voxels_formats.h"
 #include "io/voxels_nvdb_file.h"
@@ -22,7 +23,7 @@ typedef struct nvdb_grid {
     char name[NAME_BYTES];
     uint32_t type, class;
     nvdb_parts parts;
-    uint32_t seen[NVDB_NODE_LEVELS]; /* nodes that the way through the tree has met */
+    uint32_t seen[VDB_NODE_LEVELS]; /* nodes that the way through the tree has met */
 } nvdb_grid;
 
 static uint32_t get_u32(const uint8_t *bytes, uint64_t at)
@@ -87,7 +88,7 @@ static svo_status find_parts(const voxel_reader *reader, nvdb_grid *g)
         return damaged(reader, g, "the root's table ends outside", parts->root + PNANOVDB_ROOT_OFF_TABLE_SIZE);
     }
     parts->root_end = parts->root + p->root_size + tile_bytes;
-    for (int level = NVDB_LEAF; level < NVDB_NODE_LEVELS; ++level) {
+    for (int level = VDB_LEAF; level < VDB_NODE_LEVELS; ++level) {
         const uint64_t field = tree + 8 * (uint64_t)level;
         const uint64_t first = get_u64(g->bytes, field);
         parts->counts[level] = get_u32(g->bytes, tree + PNANOVDB_TREE_OFF_NODE_COUNT_LEAF + 4 * (uint64_t)level);
@@ -194,7 +195,7 @@ typedef struct nvdb_walk {
 
 static svo_status add_cube(const nvdb_walk *walk, const int32_t at[3], int level)
 {
-    return walk->add == NULL ? SVO_OK : walk->add(walk->user, at, 1u << nvdb_voxels_log2(level));
+    return walk->add == NULL ? SVO_OK : walk->add(walk->user, at, 1u << vdb_voxels_log2(level));
 }
 
 static svo_status walk_leaf(const nvdb_walk *walk, uint64_t leaf, const int32_t at[3])
@@ -232,8 +233,8 @@ static svo_status walk_node(const nvdb_walk *walk, int level, uint64_t node, con
     const nvdb_grid *g = walk->grid;
     const uint8_t *values = g->bytes + node + PNANOVDB_LOWER_OFF_VALUE_MASK;
     const uint8_t *children = g->bytes + node + nvdb_child_mask(level);
-    const uint32_t bits = nvdb_children_log2(level);
-    const uint32_t step = nvdb_voxels_log2(level - 1);
+    const uint32_t bits = vdb_children_log2(level);
+    const uint32_t step = vdb_voxels_log2(level - 1);
     const bool by_sign = g->class == PNANOVDB_GRID_CLASS_LEVEL_SET;
     for (uint32_t child = 0; child < 1u << 3 * bits; ++child) {
         const uint64_t entry =
@@ -245,7 +246,7 @@ static svo_status walk_node(const nvdb_walk *walk, int level, uint64_t node, con
         if (has_bit(children, child)) {
             const uint64_t below = node + get_u64(g->bytes, entry);
             SVO_I_TRY(meet_node(walk, level - 1, below, entry));
-            SVO_I_TRY(level == NVDB_LOWER ? walk_leaf(walk, below, corner) : walk_node(walk, level - 1, below, corner));
+            SVO_I_TRY(level == VDB_LOWER ? walk_leaf(walk, below, corner) : walk_node(walk, level - 1, below, corner));
         } else if (by_sign ? number_at(g, entry) < 0.0 : has_bit(values, child)) {
             SVO_I_TRY(add_cube(walk, corner, level - 1));
         }
@@ -281,11 +282,11 @@ static svo_status walk_grid(voxel_reader *reader, nvdb_grid *g,
                                (int32_t)((uint32_t)key << 12)};
         if (child != 0) {
             const uint64_t node = g->parts.root + child;
-            SVO_I_TRY(meet_node(&walk, NVDB_UPPER, node, tile + PNANOVDB_ROOT_TILE_OFF_CHILD));
-            SVO_I_TRY(walk_node(&walk, NVDB_UPPER, node, at));
+            SVO_I_TRY(meet_node(&walk, VDB_UPPER, node, tile + PNANOVDB_ROOT_TILE_OFF_CHILD));
+            SVO_I_TRY(walk_node(&walk, VDB_UPPER, node, at));
         } else if (by_sign ? number_at(g, tile + g->parts.places->root_tile_off_value) < 0.0
                            : get_u32(g->bytes, tile + PNANOVDB_ROOT_TILE_OFF_STATE) != 0) {
-            SVO_I_TRY(add_cube(&walk, at, NVDB_UPPER));
+            SVO_I_TRY(add_cube(&walk, at, VDB_UPPER));
         }
     }
     return SVO_OK;
@@ -309,8 +310,8 @@ static uint64_t find_value(const nvdb_grid *g, const int32_t at[3])
             node = parts->root + child;
         }
     }
-    for (int level = NVDB_UPPER; level > NVDB_LEAF && node != 0; --level) {
-        const uint32_t child = nvdb_child_of(level, at);
+    for (int level = VDB_UPPER; level > VDB_LEAF && node != 0; --level) {
+        const uint32_t child = vdb_child_of(level, at);
         const uint64_t entry = node + nvdb_table(parts->places, level) + (uint64_t)child * parts->places->table_stride;
         if (!has_bit(g->bytes + node + nvdb_child_mask(level), child)) {
             return entry;
@@ -319,15 +320,7 @@ static uint64_t find_value(const nvdb_grid *g, const int32_t at[3])
     }
     return node == 0 ? 0
                      : node + parts->places->leaf_off_table +
-                           (uint64_t)nvdb_child_of(NVDB_LEAF, at) * parts->places->value_stride_bits / 8;
-}
-
-/* A component of a color in linear light, as sRGB. */
-static uint8_t encode(float linear)
-{
-    const double value = linear > 0.0f ? (linear < 1.0f ? (double)linear : 1.0) : 0.0;
-    const double coded = value <= 0.0031308 ? 12.92 * value : 1.055 * pow(value, 1.0 / 2.4) - 0.055;
-    return (uint8_t)(coded * 255.0 + 0.5);
+                           (uint64_t)vdb_child_of(VDB_LEAF, at) * parts->places->value_stride_bits / 8;
 }
 
 static bool has_colors(const nvdb_grid *g)
@@ -348,7 +341,7 @@ static void get_color(const nvdb_grid *g, uint64_t at, uint8_t rgba[4])
         return;
     }
     for (uint64_t i = 0; i < 3; ++i) {
-        rgba[i] = encode(get_f32(g->bytes, at + 4 * i));
+        rgba[i] = svo_i_srgb_byte((double)get_f32(g->bytes, at + 4 * i));
     }
     if (g->type == PNANOVDB_GRID_TYPE_VEC4F) {
         const float alpha = get_f32(g->bytes, at + 12);
@@ -403,9 +396,9 @@ static svo_status add_voxels(void *user, const int32_t at[3], uint32_t edge)
 /* Takes the next grid as what it is for: by name colors or materials, else the first of the others as voxels. */
 static void take_grid(nvdb_file *file, const nvdb_grid *g)
 {
-    nvdb_grid *place = has_colors(g) && (strcmp(g->name, NVDB_COLOR) == 0 || strcmp(g->name, "Cd") == 0) ? &file->colors
-                       : has_materials(g) && strcmp(g->name, NVDB_MATERIAL) == 0 ? &file->materials
-                                                                                 : &file->voxels;
+    nvdb_grid *place = has_colors(g) && (strcmp(g->name, VDB_COLOR) == 0 || strcmp(g->name, "Cd") == 0) ? &file->colors
+                       : has_materials(g) && strcmp(g->name, VDB_MATERIAL) == 0 ? &file->materials
+                                                                                : &file->voxels;
     if (place->bytes != NULL) {
         svo_i_voxels_warn(file->reader, "grid \"%s\" is not read", g->name);
         return;

@@ -26,7 +26,7 @@ void svo_i_nvdb_sums(const uint8_t *grid, const nvdb_parts *parts, uint32_t sums
     svo_i_voxels_byte_sums(byte_sums);
     sums[0] = ~add_to_sum(byte_sums, UINT32_MAX, grid + PNANOVDB_GRID_OFF_VERSION,
                           parts->root_end - PNANOVDB_GRID_OFF_VERSION);
-    for (int level = NVDB_UPPER; level >= NVDB_LEAF; --level) {
+    for (int level = VDB_UPPER; level >= VDB_LEAF; --level) {
         const uint32_t bytes = nvdb_node_bytes(parts->places, level);
         for (uint32_t i = 0; i < parts->counts[level]; ++i) {
             const uint8_t *node = grid + parts->nodes[level] + (uint64_t)i * bytes;
@@ -34,5 +34,5 @@ void svo_i_nvdb_sums(const uint8_t *grid, const nvdb_parts *parts, uint32_t sums
             of_nodes = add_to_sum(byte_sums, of_nodes, (const uint8_t *)&sum, sizeof sum);
         }
     }
-    sums[1] = parts->counts[NVDB_UPPER] > 0 ? ~of_nodes : NVDB_NO_SUM;
+    sums[1] = parts->counts[VDB_UPPER] > 0 ? ~of_nodes : NVDB_NO_SUM;
 }

@@ -12,8 +12,7 @@
 #include "io/voxels_nvdb_file.h"
 
 #define GRIDS_MAX  3
-#define LEVEL_BITS 12 /* voxels along the edge of a node below the root, log2 */
-#define EXTENT_MAX (SVO_VOXELS_EXTENT_MAX - (1 << LEVEL_BITS))
+#define EXTENT_MAX (SVO_VOXELS_EXTENT_MAX - (1 << VDB_NODE_LOG2))
 #define BOX_FLAG   2u /* of a node: its box of voxels is there */
 
 /* What a grid holds. */
@@ -22,18 +21,18 @@ typedef struct grid_kind {
     uint32_t type, class;
 } grid_kind;
 
-static const grid_kind density = {NVDB_DENSITY, PNANOVDB_GRID_TYPE_FP4, PNANOVDB_GRID_CLASS_FOG_VOLUME};
-static const grid_kind color = {NVDB_COLOR, PNANOVDB_GRID_TYPE_RGBA8, PNANOVDB_GRID_CLASS_VOXEL_VOLUME};
-static const grid_kind material = {NVDB_MATERIAL, PNANOVDB_GRID_TYPE_UINT32, PNANOVDB_GRID_CLASS_VOXEL_VOLUME};
+static const grid_kind density = {VDB_DENSITY, PNANOVDB_GRID_TYPE_FP4, PNANOVDB_GRID_CLASS_FOG_VOLUME};
+static const grid_kind color = {VDB_COLOR, PNANOVDB_GRID_TYPE_RGBA8, PNANOVDB_GRID_CLASS_VOXEL_VOLUME};
+static const grid_kind material = {VDB_MATERIAL, PNANOVDB_GRID_TYPE_UINT32, PNANOVDB_GRID_CLASS_VOXEL_VOLUME};
 
-static const grid_kind surface = {NVDB_SURFACE, PNANOVDB_GRID_TYPE_FLOAT, PNANOVDB_GRID_CLASS_LEVEL_SET};
+static const grid_kind surface = {VDB_SURFACE, PNANOVDB_GRID_TYPE_FLOAT, PNANOVDB_GRID_CLASS_LEVEL_SET};
 
 /* The voxels of all grids, node by node. */
 typedef struct shape {
     const voxel_writer *writer;
     svo_voxel *voxels; /* in Morton order from a corner of a node below the root; owned */
     uint64_t voxel_count;
-    uint32_t counts[NVDB_NODE_LEVELS]; /* nodes of each level */
+    uint32_t counts[VDB_NODE_LEVELS]; /* nodes of each level */
 } shape;
 
 /* A grid that is being made. */
@@ -43,8 +42,8 @@ typedef struct grid {
     nvdb_parts parts;
     uint8_t *bytes; /* owned */
     uint64_t byte_count;
-    uint64_t at[NVDB_NODE_LEVELS]; /* where the node begins that is being filled */
-    int32_t boxes[NVDB_ROOT + 1][2][3]; /* least and greatest coordinates in it, and of all voxels */
+    uint64_t at[VDB_NODE_LEVELS]; /* where the node begins that is being filled */
+    int32_t boxes[VDB_ROOT + 1][2][3]; /* least and greatest coordinates in it, and of all voxels */
 } grid;
 
 /* ---- fields ---- */
@@ -79,7 +78,7 @@ static void set_bit(grid *g, uint64_t mask, uint32_t bit)
 /* Whether two voxels lie in one node. */
 static bool share_node(const svo_voxel *a, const svo_voxel *b, int level)
 {
-    const uint32_t shift = nvdb_voxels_log2(level);
+    const uint32_t shift = vdb_voxels_log2(level);
     return a->x >> shift == b->x >> shift && a->y >> shift == b->y >> shift && a->z >> shift == b->z >> shift;
 }
 
@@ -90,7 +89,7 @@ static svo_status make_shape(const voxel_writer *writer, shape *made)
     int32_t low[3];
     *made = (shape){.writer = writer, .voxel_count = count};
     for (int axis = 0; axis < 3; ++axis) {
-        low[axis] = writer->list.low[axis] & ~((1 << LEVEL_BITS) - 1);
+        low[axis] = writer->list.low[axis] & ~((1 << VDB_NODE_LOG2) - 1);
         const int64_t extent = (int64_t)writer->list.high[axis] - writer->list.low[axis];
         if (extent > EXTENT_MAX) {
             return svo_i_voxels_write_fail(writer, SVO_INVALID_ARGUMENT,
@@ -98,19 +97,9 @@ static svo_status make_shape(const voxel_writer *writer, shape *made)
                                            extent, EXTENT_MAX);
         }
     }
-    made->voxels = svo_i_alloc(writer->memory, count * sizeof *made->voxels + 1);
-    svo_voxel *spare = svo_i_alloc(writer->memory, count * sizeof *spare + 1);
-    if (made->voxels == NULL || spare == NULL) {
-        svo_i_free(spare);
-        return svo_i_voxels_write_fail(writer, SVO_OUT_OF_HOST_MEMORY, "no memory to sort %zu voxels", count);
-    }
-    if (count > 0) {
-        memcpy(made->voxels, writer->voxels, count * sizeof *made->voxels);
-        svo_i_voxel_sort(made->voxels, spare, count, low, svo_i_voxel_bits(low, writer->list.high), SVO_I_VOXEL_MORTON);
-    }
-    svo_i_free(spare);
+    SVO_I_TRY(svo_i_voxels_sorted(writer, low, SVO_I_VOXEL_MORTON, &made->voxels));
     for (size_t i = 0; i < count; ++i) {
-        for (int level = NVDB_LEAF; level < NVDB_NODE_LEVELS; ++level) {
+        for (int level = VDB_LEAF; level < VDB_NODE_LEVELS; ++level) {
             made->counts[level] += i == 0 || !share_node(&made->voxels[i - 1], &made->voxels[i], level) ? 1u : 0u;
         }
     }
@@ -132,7 +121,7 @@ static void end_node(grid *g, int level)
 {
     int32_t(*box)[3] = g->boxes[level];
     put(g, g->at[level], box[0], sizeof box[0]);
-    if (level == NVDB_LEAF) {
+    if (level == VDB_LEAF) {
         const uint8_t wide[4] = {(uint8_t)(box[1][0] - box[0][0]), (uint8_t)(box[1][1] - box[0][1]),
                                  (uint8_t)(box[1][2] - box[0][2]), BOX_FLAG};
         put(g, g->at[level] + PNANOVDB_LEAF_OFF_BBOX_DIF_AND_FLAGS, wide, sizeof wide);
@@ -158,20 +147,20 @@ static void begin_node(grid *g, int level, const int32_t at[3], uint32_t tile)
 {
     const pnanovdb_grid_type_constants_t *p = g->parts.places;
     const uint64_t node = g->at[level];
-    if (level == NVDB_UPPER) {
+    if (level == VDB_UPPER) {
         const uint64_t entry = g->parts.root + p->root_size + (uint64_t)tile * p->root_tile_size;
         put_u64(g, entry + PNANOVDB_ROOT_TILE_OFF_KEY, nvdb_key_of(at));
         put_u64(g, entry + PNANOVDB_ROOT_TILE_OFF_CHILD, node - g->parts.root);
         put_statistics(g, node, p->upper_off_min, p->upper_off_max, p->upper_off_ave);
     } else {
         const uint64_t above = g->at[level + 1];
-        const uint32_t child = nvdb_child_of(level + 1, at);
+        const uint32_t child = vdb_child_of(level + 1, at);
         set_bit(g, above + nvdb_child_mask(level + 1), child);
         put_u64(g, above + nvdb_table(p, level + 1) + (uint64_t)p->table_stride * child, node - above);
     }
-    if (level == NVDB_LOWER) {
+    if (level == VDB_LOWER) {
         put_statistics(g, node, p->lower_off_min, p->lower_off_max, p->lower_off_ave);
-    } else if (level == NVDB_LEAF && g->kind == &density) {
+    } else if (level == VDB_LEAF && g->kind == &density) {
         /* Codes 0 and 1 stand for 0 and 1: the value is a code times this; the least, greatest and mean code are 1. */
         const float quantum = 1.0f;
         const uint16_t code = 1;
@@ -186,8 +175,8 @@ static void begin_node(grid *g, int level, const int32_t at[3], uint32_t tile)
 
 static void put_value(grid *g, const svo_voxel *voxel, uint32_t place)
 {
-    const uint64_t table = g->at[NVDB_LEAF] + g->parts.places->leaf_off_table;
-    set_bit(g, g->at[NVDB_LEAF] + PNANOVDB_LEAF_OFF_VALUE_MASK, place);
+    const uint64_t table = g->at[VDB_LEAF] + g->parts.places->leaf_off_table;
+    set_bit(g, g->at[VDB_LEAF] + PNANOVDB_LEAF_OFF_VALUE_MASK, place);
     if (g->kind == &density) {
         g->bytes[table + (place >> 1)] |= (uint8_t)(1u << 4 * (place & 1u));
     } else if (g->kind == &color || g->kind == &surface) {
@@ -201,28 +190,28 @@ static void put_value(grid *g, const svo_voxel *voxel, uint32_t place)
 static void fill_nodes(grid *g)
 {
     const shape *of = g->of;
-    uint32_t begun[NVDB_NODE_LEVELS] = {0, 0, 0};
+    uint32_t begun[VDB_NODE_LEVELS] = {0, 0, 0};
     for (uint64_t i = 0; i < of->voxel_count; ++i) {
         const svo_voxel *voxel = &of->voxels[i];
         const int32_t at[3] = {voxel->x, voxel->y, voxel->z};
-        for (int level = NVDB_UPPER; level >= NVDB_LEAF; --level) {
+        for (int level = VDB_UPPER; level >= VDB_LEAF; --level) {
             if (i == 0 || !share_node(&of->voxels[i - 1], voxel, level)) {
                 if (i > 0) {
                     end_node(g, level);
                 }
                 g->at[level] = g->parts.nodes[level] + (uint64_t)begun[level] * nvdb_node_bytes(g->parts.places, level);
-                begin_node(g, level, at, begun[NVDB_UPPER]);
+                begin_node(g, level, at, begun[VDB_UPPER]);
                 ++begun[level];
             }
             grow(g->boxes[level], at);
         }
         if (i == 0) {
-            memcpy(g->boxes[NVDB_ROOT], g->boxes[NVDB_UPPER], sizeof g->boxes[NVDB_ROOT]);
+            memcpy(g->boxes[VDB_ROOT], g->boxes[VDB_UPPER], sizeof g->boxes[VDB_ROOT]);
         }
-        grow(g->boxes[NVDB_ROOT], at);
-        put_value(g, voxel, nvdb_child_of(NVDB_LEAF, at));
+        grow(g->boxes[VDB_ROOT], at);
+        put_value(g, voxel, vdb_child_of(VDB_LEAF, at));
     }
-    for (int level = NVDB_LEAF; level < NVDB_NODE_LEVELS && of->voxel_count > 0; ++level) {
+    for (int level = VDB_LEAF; level < VDB_NODE_LEVELS && of->voxel_count > 0; ++level) {
         end_node(g, level);
     }
 }
@@ -233,7 +222,7 @@ static void sort_tiles(grid *g)
     const size_t bytes = g->parts.places->root_tile_size;
     uint8_t *tiles = g->bytes + g->parts.root + g->parts.places->root_size;
     uint8_t held[64];
-    for (uint32_t i = 1; i < g->of->counts[NVDB_UPPER]; ++i) {
+    for (uint32_t i = 1; i < g->of->counts[VDB_UPPER]; ++i) {
         uint64_t key = 0;
         uint64_t before = 0;
         uint32_t place = i;
@@ -273,8 +262,8 @@ static bool has_bit(const grid *g, uint64_t mask, uint32_t bit)
 static float end_value(const grid *g, uint64_t node, int level, bool last)
 {
     const pnanovdb_grid_type_constants_t *p = g->parts.places;
-    for (; level > NVDB_LEAF; --level) {
-        const uint32_t entry = last ? (1u << 3 * nvdb_children_log2(level)) - 1 : 0;
+    for (; level > VDB_LEAF; --level) {
+        const uint32_t entry = last ? (1u << 3 * vdb_children_log2(level)) - 1 : 0;
         const uint64_t place = node + nvdb_table(p, level) + (uint64_t)p->table_stride * entry;
         int64_t child = 0;
         if (!has_bit(g, node + nvdb_child_mask(level), entry)) {
@@ -290,11 +279,11 @@ static float end_value(const grid *g, uint64_t node, int level, bool last)
 static bool has_sign(const grid *g, uint64_t node, int level, uint32_t entry, bool last, bool *inside)
 {
     const pnanovdb_grid_type_constants_t *p = g->parts.places;
-    const uint64_t mask = node + (level == NVDB_LEAF ? PNANOVDB_LEAF_OFF_VALUE_MASK : nvdb_child_mask(level));
+    const uint64_t mask = node + (level == VDB_LEAF ? PNANOVDB_LEAF_OFF_VALUE_MASK : nvdb_child_mask(level));
     if (!has_bit(g, mask, entry)) {
         return false;
     }
-    if (level == NVDB_LEAF) {
+    if (level == VDB_LEAF) {
         *inside = get_float(g, node + p->leaf_off_table + 4 * (uint64_t)entry) < 0.0f;
         return true;
     }
@@ -308,11 +297,11 @@ static bool has_sign(const grid *g, uint64_t node, int level, uint32_t entry, bo
 static void fill_node(grid *g, uint64_t node, int level)
 {
     const pnanovdb_grid_type_constants_t *p = g->parts.places;
-    const uint32_t bits = nvdb_children_log2(level);
+    const uint32_t bits = vdb_children_log2(level);
     const uint32_t count = 1u << 3 * bits;
     const uint32_t along = (1u << bits) - 1;
-    const uint64_t table = node + (level == NVDB_LEAF ? p->leaf_off_table : nvdb_table(p, level));
-    const uint64_t stride = level == NVDB_LEAF ? sizeof(float) : p->table_stride;
+    const uint64_t table = node + (level == VDB_LEAF ? p->leaf_off_table : nvdb_table(p, level));
+    const uint64_t stride = level == VDB_LEAF ? sizeof(float) : p->table_stride;
     bool of_plane = false;
     for (uint32_t entry = 0; entry < count && !has_sign(g, node, level, entry, false, &of_plane); ++entry) {
     }
@@ -333,7 +322,7 @@ static void fill_node(grid *g, uint64_t node, int level)
 
 static void fill_background(grid *g)
 {
-    for (int level = NVDB_LEAF; level < NVDB_NODE_LEVELS; ++level) {
+    for (int level = VDB_LEAF; level < VDB_NODE_LEVELS; ++level) {
         for (uint32_t i = 0; i < g->parts.counts[level]; ++i) {
             fill_node(g, g->parts.nodes[level] + (uint64_t)i * nvdb_node_bytes(g->parts.places, level), level);
         }
@@ -388,21 +377,21 @@ static void put_headers(grid *g)
     put_map(g);
     for (uint64_t axis = 0; axis < 3 && g->of->voxel_count > 0; ++axis) {
         for (uint64_t side = 0; side < 2; ++side) {
-            const double place = (double)g->boxes[NVDB_ROOT][side][axis] + (double)side + 0.5;
+            const double place = (double)g->boxes[VDB_ROOT][side][axis] + (double)side + 0.5;
             put_f64(g, PNANOVDB_GRID_OFF_WORLD_BBOX + 24 * side + 8 * axis,
                     svo_i_voxels_world(g->of->writer, (int)axis, place));
         }
     }
     put_u32(g, PNANOVDB_GRID_OFF_GRID_CLASS, g->kind->class);
     put_u32(g, PNANOVDB_GRID_OFF_GRID_TYPE, g->kind->type);
-    for (uint64_t level = 0; level < NVDB_NODE_LEVELS; ++level) {
+    for (uint64_t level = 0; level < VDB_NODE_LEVELS; ++level) {
         put_u64(g, tree + 8 * level, g->of->counts[level] > 0 ? g->parts.nodes[level] - tree : 0);
         put_u32(g, tree + PNANOVDB_TREE_OFF_NODE_COUNT_LEAF + 4 * level, g->of->counts[level]);
     }
     put_u64(g, tree + PNANOVDB_TREE_OFF_NODE_OFFSET_ROOT, g->parts.root - tree);
     put_u64(g, tree + PNANOVDB_TREE_OFF_VOXEL_COUNT, g->of->voxel_count);
-    put(g, g->parts.root + PNANOVDB_ROOT_OFF_BBOX_MIN, g->boxes[NVDB_ROOT], sizeof g->boxes[NVDB_ROOT]);
-    put_u32(g, g->parts.root + PNANOVDB_ROOT_OFF_TABLE_SIZE, g->of->counts[NVDB_UPPER]);
+    put(g, g->parts.root + PNANOVDB_ROOT_OFF_BBOX_MIN, g->boxes[VDB_ROOT], sizeof g->boxes[VDB_ROOT]);
+    put_u32(g, g->parts.root + PNANOVDB_ROOT_OFF_TABLE_SIZE, g->of->counts[VDB_UPPER]);
     put_statistics(g, g->parts.root, p->root_off_min, p->root_off_max, p->root_off_ave);
 }
 
@@ -415,9 +404,9 @@ static svo_status make_grid(const shape *of, const grid_kind *kind, grid *made)
     *made = (grid){.of = of, .kind = kind};
     parts->places = p;
     parts->root = PNANOVDB_GRID_SIZE + PNANOVDB_TREE_SIZE;
-    parts->root_end = parts->root + p->root_size + (uint64_t)of->counts[NVDB_UPPER] * p->root_tile_size;
+    parts->root_end = parts->root + p->root_size + (uint64_t)of->counts[VDB_UPPER] * p->root_tile_size;
     made->byte_count = parts->root_end;
-    for (int level = NVDB_UPPER; level >= NVDB_LEAF; --level) {
+    for (int level = VDB_UPPER; level >= VDB_LEAF; --level) {
         parts->counts[level] = of->counts[level];
         parts->nodes[level] = made->byte_count;
         made->byte_count += (uint64_t)of->counts[level] * nvdb_node_bytes(p, level);
@@ -429,8 +418,8 @@ static svo_status make_grid(const shape *of, const grid_kind *kind, grid *made)
     }
     if (of->voxel_count == 0) { /* an empty box ends before it begins */
         for (int axis = 0; axis < 3; ++axis) {
-            made->boxes[NVDB_ROOT][0][axis] = INT32_MAX;
-            made->boxes[NVDB_ROOT][1][axis] = INT32_MIN;
+            made->boxes[VDB_ROOT][0][axis] = INT32_MAX;
+            made->boxes[VDB_ROOT][1][axis] = INT32_MIN;
         }
     }
     fill_nodes(made);

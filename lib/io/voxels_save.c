@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Lists of voxels to files. The writers of .binvox, .ply and .obj files are here; voxels_vox_write.c,
- * voxels_svx_write.c, voxels_nvdb_write.c and voxels_faces.c are the others.
+ * voxels_svx_write.c, voxels_nvdb_write.c, voxels_vdb_write.c and voxels_faces.c are the others.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <inttypes.h>
@@ -87,7 +87,7 @@ static svo_status write_binvox(voxel_writer *writer)
                                        "a .binvox grid of %u^3 voxels is above the limit of %u^3", 1u << bits,
                                        1u << BITS_MAX);
     }
-    SVO_I_TRY(svo_i_voxels_sorted(writer, SVO_I_VOXEL_ROWS, &sorted));
+    SVO_I_TRY(svo_i_voxels_sorted(writer, writer->list.low, SVO_I_VOXEL_ROWS, &sorted));
     svo_status status = put_header(writer, 1u << bits);
     if (status == SVO_OK) {
         status = put_runs(writer, sorted, bits);
@@ -198,22 +198,6 @@ static svo_status write_obj(voxel_writer *writer)
     return SVO_OK;
 }
 
-/* ---- .svx ---- */
-
-#ifndef SVOCL_SVX
-svo_status svo_i_voxels_write_svx(voxel_writer *writer)
-{
-    return svo_i_voxels_write_fail(writer, SVO_UNSUPPORTED, "%s", VOXELS_NO_SVX);
-}
-#endif
-
-#ifndef SVOCL_NVDB
-svo_status svo_i_voxels_write_nvdb(voxel_writer *writer)
-{
-    return svo_i_voxels_write_fail(writer, SVO_UNSUPPORTED, "%s", VOXELS_NO_NVDB);
-}
-#endif
-
 /* ---- saving ---- */
 
 static svo_status write_format(voxel_writer *writer, svo_voxel_format format)
@@ -230,6 +214,8 @@ static svo_status write_format(voxel_writer *writer, svo_voxel_format format)
         return write_binvox(writer);
     case SVO_VOXEL_FORMAT_NVDB:
         return svo_i_voxels_write_nvdb(writer);
+    case SVO_VOXEL_FORMAT_VDB:
+        return svo_i_voxels_write_vdb(writer);
     case SVO_VOXEL_FORMAT_BT:
         return svo_i_voxels_write_bt(writer);
     case SVO_VOXEL_FORMAT_PLY:
@@ -323,7 +309,7 @@ svo_status svo_i_voxels_save_by(const char *function, const svo_voxels *voxels, 
 static bool is_written(svo_voxel_format format)
 {
     return ((unsigned)format >= SVO_VOXEL_FORMAT_VOX && (unsigned)format <= SVO_VOXEL_FORMAT_NVDB) ||
-           format == SVO_VOXEL_FORMAT_BT;
+           format == SVO_VOXEL_FORMAT_BT || format == SVO_VOXEL_FORMAT_VDB;
 }
 
 svo_status svo_voxels_save(const svo_voxels *voxels, svo_sink sink, svo_voxel_format format, svo_voxels_save_info *info,
@@ -341,10 +327,11 @@ svo_status svo_voxels_save(const svo_voxels *voxels, svo_sink sink, svo_voxel_fo
         return sink.path != NULL
                    ? svo_i_fail(
                          message, SVO_INVALID_ARGUMENT,
-                         "%s: the suffix of '%s' is not vox, svx, binvox, ply, obj, nvdb or bt, and format is %d",
+                         "%s: the suffix of '%s' is not vox, svx, binvox, ply, obj, nvdb, bt or vdb, and format is %d",
                          function, sink.path, (int)format)
-                   : svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: format %d is neither in %d .. %d nor %d", function,
-                                (int)format, SVO_VOXEL_FORMAT_VOX, SVO_VOXEL_FORMAT_NVDB, SVO_VOXEL_FORMAT_BT);
+                   : svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: format %d is neither in %d .. %d nor %d nor %d",
+                                function, (int)format, SVO_VOXEL_FORMAT_VOX, SVO_VOXEL_FORMAT_NVDB, SVO_VOXEL_FORMAT_BT,
+                                SVO_VOXEL_FORMAT_VDB);
     }
     return svo_i_voxels_save_by(function, voxels, sink, format, &writer, info, message);
 }

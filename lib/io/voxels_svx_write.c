@@ -313,7 +313,7 @@ svo_status svo_i_voxels_write_svx(voxel_writer *writer)
     svx_writer w = {.out = writer};
     zip_error_t error;
     SVO_I_TRY(measure(&w));
-    SVO_I_TRY(svo_i_voxels_sorted(writer, SVO_I_VOXEL_SLICES, &w.sorted));
+    SVO_I_TRY(svo_i_voxels_sorted(writer, writer->list.low, SVO_I_VOXEL_SLICES, &w.sorted));
     zip_error_init(&error);
     zip_source_t *source = zip_source_buffer_create(NULL, 0, 0, &error);
     w.archive = source != NULL ? zip_open_from_source(source, ZIP_TRUNCATE, &error) : NULL;

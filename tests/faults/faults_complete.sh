@@ -17,9 +17,9 @@ strncmp strpbrk strrchr strncat strspn strstr strtok_r strtol strtoll strtoul st
 cbrt ceil cos exp2 floor fma fmax fmaxf fmin fminf frexp ilogbf ldexp ldexpf log2 nextafter nextafterf pow rint sqrt
 sqrtf tan"
 plain=$(printf '%s' "$plain" | tr '\n' ' ')
-# Libraries that allocate for themselves, and what compilers and sanitizers add.
+# Libraries that allocate for themselves or by functions of ours (zlib), and what compilers and sanitizers add.
 families='^(svo_|ai[A-Z]|cJSON_|ZSTD_|XXH|zip_|XML_|__(asan|ubsan|tsan|sanitizer|gcov|stack_chk|llvm)_|llvm_'
-families="$families|_ZN10fast_float|_ZTVN10__cxxabiv1)"
+families="$families|inflate|deflate|blosc_|_ZN10fast_float|_ZTVN10__cxxabiv1)"
 
 missing=$("$nm" -u "$@" | awk '$1 == "U" { print $2 }' | grep -Ev "$families" | sort -u |
     while read -r name; do

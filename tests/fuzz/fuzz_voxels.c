@@ -7,6 +7,9 @@
  *
  * FUZZ_ARCHIVE: bytes that do not begin as an archive are a manifest, a byte 0, and an image, which are put into one
  * with correct checksums.
+ *
+ * FUZZ_RUNS: a byte 0 is followed by a byte n, and both stand for 1 + n (n + 1) / 2 bytes of 0: masks of .vdb files are
+ * long and nearly empty.
  */
 #include <string.h>
 
@@ -216,6 +219,35 @@ static void run_archive(const uint8_t *data, size_t byte_count)
 
 #endif
 
+#ifdef FUZZ_RUNS
+
+#define EXPANDED_MAX ((size_t)1 << 18)
+
+static void run_expanded(const uint8_t *data, size_t byte_count)
+{
+    uint8_t *expanded = calloc(EXPANDED_MAX, 1);
+    size_t used = 0;
+    REQUIRE(expanded != NULL);
+    for (size_t i = 0; i < byte_count && used < EXPANDED_MAX; ++i) {
+        size_t count = 1;
+        expanded[used] = data[i];
+        if (data[i] == 0 && i + 1 < byte_count) {
+            ++i;
+            count += (size_t)data[i] * (data[i] + 1u) / 2;
+        }
+        used += count;
+    }
+    uint8_t *exact = malloc(used < EXPANDED_MAX ? used + 1 : EXPANDED_MAX + 1); /* a sanitizer sees a read behind it */
+    used = used < EXPANDED_MAX ? used : EXPANDED_MAX;
+    REQUIRE(exact != NULL);
+    memcpy(exact + 1, expanded, used);
+    free(expanded);
+    run(exact + 1, used);
+    free(exact);
+}
+
+#endif
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t byte_count)
 {
 #ifdef FUZZ_ARCHIVE
@@ -224,6 +256,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t byte_count)
         return 0;
     }
 #endif
+#ifdef FUZZ_RUNS
+    run_expanded(data, byte_count);
+#else
     run(data, byte_count);
+#endif
     return 0;
 }

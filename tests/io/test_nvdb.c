@@ -197,7 +197,7 @@ static void test_nanovdb_writes(void **state)
 typedef struct nvdb_bytes {
     uint8_t *bytes;
     size_t count;
-    size_t grid, root, nodes[NVDB_NODE_LEVELS];
+    size_t grid, root, nodes[VDB_NODE_LEVELS];
 } nvdb_bytes;
 
 static nvdb_bytes make_file(size_t voxel_count)
@@ -211,12 +211,12 @@ static nvdb_bytes make_file(size_t voxel_count)
     svo_voxels_destroy(&list);
     file.bytes = read_whole(path, &file.count);
     assert_int_equal(unlink(path), 0);
-    file.grid = NVDB_HEADER_BYTES + NVDB_RECORD_BYTES + sizeof NVDB_DENSITY;
+    file.grid = NVDB_HEADER_BYTES + NVDB_RECORD_BYTES + sizeof VDB_DENSITY;
     memset(file.bytes + file.grid + PNANOVDB_GRID_OFF_CHECKSUM, 0xff, 8);
     const size_t tree = file.grid + PNANOVDB_GRID_SIZE;
     memcpy(&offset, file.bytes + tree + PNANOVDB_TREE_OFF_NODE_OFFSET_ROOT, sizeof offset);
     file.root = tree + (size_t)offset;
-    for (size_t level = 0; level < NVDB_NODE_LEVELS; ++level) {
+    for (size_t level = 0; level < VDB_NODE_LEVELS; ++level) {
         memcpy(&offset, file.bytes + tree + 8 * level, sizeof offset);
         file.nodes[level] = tree + (size_t)offset;
     }
@@ -258,7 +258,7 @@ static void test_lies(void **state)
     const size_t tree = file.grid + PNANOVDB_GRID_SIZE;
     const pnanovdb_grid_type_constants_t *p = &pnanovdb_grid_type_constants[PNANOVDB_GRID_TYPE_FP4];
     const size_t tile = file.root + p->root_size;
-    size_t entry = file.nodes[NVDB_LOWER] + p->lower_off_table;
+    size_t entry = file.nodes[VDB_LOWER] + p->lower_off_table;
     while (file.bytes[entry] == 0 && file.bytes[entry + 1] == 0) { /* the one child of the one lower node */
         entry += p->table_stride;
     }
@@ -282,7 +282,7 @@ static void test_lies(void **state)
     refuse(&file, tile + PNANOVDB_ROOT_TILE_OFF_CHILD, 32, 8, SVO_FILE_DAMAGED, "leads to no node");
     refuse(&file, entry, 32, 8, SVO_FILE_DAMAGED, "leads to no node");
     refuse(&file, entry + 8, 32, 8, SVO_OK, ""); /* no child has that entry */
-    refuse(&file, file.nodes[NVDB_UPPER] + PNANOVDB_UPPER_OFF_VALUE_MASK, 1, 1, SVO_INVALID_ARGUMENT,
+    refuse(&file, file.nodes[VDB_UPPER] + PNANOVDB_UPPER_OFF_VALUE_MASK, 1, 1, SVO_INVALID_ARGUMENT,
            "above the limit of 1048576"); /* a tile of 128^3 voxels */
     free(file.bytes);
 }
@@ -293,8 +293,8 @@ static void test_tiles(void **state)
     (void)state;
     nvdb_bytes file = make_file(1);
     svo_voxels *voxels = NULL;
-    uint8_t *children = file.bytes + file.nodes[NVDB_LOWER] + PNANOVDB_LOWER_OFF_CHILD_MASK;
-    uint8_t *values = file.bytes + file.nodes[NVDB_LOWER] + PNANOVDB_LOWER_OFF_VALUE_MASK;
+    uint8_t *children = file.bytes + file.nodes[VDB_LOWER] + PNANOVDB_LOWER_OFF_CHILD_MASK;
+    uint8_t *values = file.bytes + file.nodes[VDB_LOWER] + PNANOVDB_LOWER_OFF_VALUE_MASK;
     for (size_t i = 0; i < 512; ++i) {
         values[i] = children[i];
         children[i] = 0;
@@ -322,7 +322,7 @@ static void test_level_set_of_four_bits(void **state)
     svo_voxels *after = NULL;
     assert_int_equal(load(&file, file.count, &before, NULL), SVO_OK);
     memcpy(file.bytes + file.grid + PNANOVDB_GRID_OFF_GRID_CLASS, &level_set, sizeof level_set);
-    for (size_t leaf = file.nodes[NVDB_LEAF]; leaf < file.count; leaf += p->leaf_size) {
+    for (size_t leaf = file.nodes[VDB_LEAF]; leaf < file.count; leaf += p->leaf_size) {
         memcpy(file.bytes + leaf + p->leaf_off_table - PNANOVDB_LEAF_TABLE_NEG_OFF_QUANTUM, &below, sizeof below);
         memset(file.bytes + leaf + PNANOVDB_LEAF_OFF_VALUE_MASK, 0, 64);
     }
@@ -343,8 +343,8 @@ static void test_changes(void **state)
     uint32_t seed = 3;
     size_t read = 0;
     for (int i = 0; i < CHANGES; ++i) {
-        const size_t parts[5] = {0, file.grid, file.root, file.nodes[i % 2 == 0 ? NVDB_UPPER : NVDB_LOWER],
-                                 file.nodes[NVDB_LEAF]};
+        const size_t parts[5] = {0, file.grid, file.root, file.nodes[i % 2 == 0 ? VDB_UPPER : VDB_LOWER],
+                                 file.nodes[VDB_LEAF]};
         size_t at = parts[i % 5] + roll(&seed, i % 5 < 2 ? 700 : 9000);
         if (at >= file.count) {
             continue;

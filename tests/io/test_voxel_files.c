@@ -157,6 +157,13 @@ static bool has_nvdb(void)
     return svo_voxels_load(svo_from_memory("NanoVDB", 7, NAME), NULL, &voxels, NULL, &message) != SVO_UNSUPPORTED;
 }
 
+static bool has_vdb(void)
+{
+    svo_voxels *voxels = NULL;
+    svo_message message = {""};
+    return svo_voxels_load(svo_from_memory(" BDV\0\0\0\0", 8, NAME), NULL, &voxels, NULL, &message) != SVO_UNSUPPORTED;
+}
+
 static void test_round_trips(void **state)
 {
     (void)state;
@@ -175,6 +182,10 @@ static void test_round_trips(void **state)
     if (has_nvdb()) {
         check_round_trip(small, SVO_VOXEL_FORMAT_NVDB, true, true);
         check_round_trip(large, SVO_VOXEL_FORMAT_NVDB, true, true);
+    }
+    if (has_vdb()) {
+        check_round_trip(small, SVO_VOXEL_FORMAT_VDB, true, true);
+        check_round_trip(large, SVO_VOXEL_FORMAT_VDB, true, true);
     }
     svo_voxels_destroy(&small);
     svo_voxels_destroy(&large);
@@ -684,10 +695,11 @@ static void test_write_failures(void **state)
 {
     (void)state;
     svo_voxels *voxels = random_voxels(7, corner, large_box, 255);
-    for (int format = SVO_VOXEL_FORMAT_VOX; format <= SVO_VOXEL_FORMAT_BT; ++format) {
+    for (int format = SVO_VOXEL_FORMAT_VOX; format <= SVO_VOXEL_FORMAT_VDB; ++format) {
         int left = 0;
         svo_message message = {""};
-        if (format == SVO_VOXEL_FORMAT_SLAB6 || (format == SVO_VOXEL_FORMAT_SVX && !has_svx()) ||
+        if (format == SVO_VOXEL_FORMAT_SLAB6 || format == SVO_VOXEL_FORMAT_LAS || format == SVO_VOXEL_FORMAT_LAZ ||
+            (format == SVO_VOXEL_FORMAT_VDB && !has_vdb()) || (format == SVO_VOXEL_FORMAT_SVX && !has_svx()) ||
             (format == SVO_VOXEL_FORMAT_NVDB && !has_nvdb())) {
             continue;
         }
@@ -752,7 +764,7 @@ static void test_arguments(void **state)
     assert_null(voxels);
     assert_int_equal(svo_voxels_save(some, svo_to_callback(fail_late, &left), SVO_VOXEL_FORMAT_AUTO, NULL, &message),
                      SVO_INVALID_ARGUMENT);
-    assert_string_equal(message.text, "svo_voxels_save: format 0 is neither in 1 .. 6 nor 8");
+    assert_string_equal(message.text, "svo_voxels_save: format 0 is neither in 1 .. 6 nor 8 nor 11");
     assert_int_equal(svo_voxels_save(some, svo_to_callback(fail_late, &left), (svo_voxel_format)7, NULL, NULL),
                      SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_voxels_save(NULL, svo_to_path("x.vox"), SVO_VOXEL_FORMAT_AUTO, NULL, NULL),

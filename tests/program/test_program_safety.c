@@ -181,7 +181,7 @@ static void other_suffixes_are_refused_before_any_work(void **state)
         {"scene cube -o x.stl", "output x.stl does not end in .obj or .ply"},
         {"scene cube -o x", "output x does not end in .obj or .ply"},
         {"convert none.vox x.stl",
-         "output x.stl does not end in .svo, .svc, .vox, .svx, .binvox, .nvdb, .bt, .ply, .obj or .json"},
+         "output x.stl does not end in .svo, .svc, .vox, .svx, .binvox, .nvdb, .vdb, .bt, .ply, .obj or .json"},
     };
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i) {
         char line[160];

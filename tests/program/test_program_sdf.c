@@ -104,7 +104,7 @@ static void what_does_not_apply_is_refused(void **state)
     (void)state;
     need_builds();
     run_badly("$SVOCL sdf scene:cube -d 4", 2, "-o FILE is missing");
-    run_badly("$SVOCL sdf scene:cube -d 4 -o a.vdb", 2, "a.vdb");
+    run_badly("$SVOCL sdf scene:cube -d 4 -o a.vox", 2, "a.vox");
     run_badly("$SVOCL sdf scene:cube -d 4 -o a.npy --sign wind", 2, "did you mean 'winding'?");
     run_badly("$SVOCL sdf scene:cube -d 4 -o a.npy --band -1", 2, "--band '-1' is not a number of at least 0");
     run_badly("$SVOCL sdf scene:cube -d 4 -o a.npy --band 70000 --margin 1", 1,

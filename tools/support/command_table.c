@@ -83,11 +83,11 @@ static const command commands[] = {
                OPTION_UNFOLDED,
      .input_name = "IN OUT",
      .needs_input = true,
-     .suffixes = ".svo .svc .vox .svx .binvox .nvdb .bt .ply .obj .json",
+     .suffixes = ".svo .svc .vox .svx .binvox .nvdb .vdb .bt .ply .obj .json",
      .needs_suffix = true,
-     .summary = "Converts IN, a mesh, voxels (.vox, .svx, .binvox, .nvdb, .bt), points (.las, .ply) or a tree (.svo, "
-                ".svc), to OUT, voxels or a tree; voxels also as .ply or .obj, a .vox file as a .json scene of its "
-                "models.",
+     .summary =
+         "Converts IN, a mesh, voxels (.vox, .svx, .binvox, .nvdb, .vdb, .bt), points (.las, .ply) or a tree (.svo, "
+         ".svc), to OUT, voxels or a tree; voxels also as .ply or .obj, a .vox file as a .json scene of its models.",
      .reads_file = true,
      .examples = EXAMPLES("convert castle.vox castle.svo", "convert model.svo model.vox",
                           "convert model.obj model.vox -d 7", "convert model.svo model.svc --tree-form implied",
@@ -99,7 +99,7 @@ static const command commands[] = {
                OPTION_UNFOLDED,
      .input_name = "IN SCRIPT",
      .needs_input = true,
-     .suffixes = ".svo .svc .vox .svx .binvox .nvdb .bt .ply .obj",
+     .suffixes = ".svo .svc .vox .svx .binvox .nvdb .vdb .bt .ply .obj",
      .needs_suffix = true,
      .summary = "Edits the voxels of a file or a tree by the steps of a script, with shapes and other voxels.",
      .reads_file = true,
@@ -179,7 +179,7 @@ static const command commands[] = {
      .groups = BUILDS | OPTION_OUTPUT | OPTION_SDF_COMMAND | OPTION_DISTANCES,
      .input_name = "INPUT",
      .needs_input = true,
-     .suffixes = ".npy .raw .nvdb",
+     .suffixes = ".npy .raw .nvdb .vdb",
      .needs_suffix = true,
      .summary = "Finds how far voxels are from the surface of a mesh or of a .svo file with rays, negative inside.",
      .reads_file = true,

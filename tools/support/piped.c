@@ -114,6 +114,7 @@ const char *piped_judge(piped_input *piped)
                     : begins_with(piped, "#binvox")                              ? ".binvox"
                     : begins_with(piped, "PK\3\4")                               ? ".svx"
                     : begins_with(piped, "NanoVDB")                              ? ".nvdb"
+                    : begins_with(piped, " BDV")                                 ? ".vdb"
                     : begins_with(piped, "# Octomap OcTree binary file")         ? ".bt"
                     : begins_with(piped, "LASF")                                 ? ".las"
                     : is_off(piped)                                              ? ".off"

@@ -14,7 +14,8 @@ bool voxel_input_is_given(const program *state)
     const svo_voxel_format format = svo_voxel_format_of_path(
         piped_is(&state->piped, state->options.input) ? state->piped.suffix : state->options.input);
     return format == SVO_VOXEL_FORMAT_VOX || format == SVO_VOXEL_FORMAT_SVX || format == SVO_VOXEL_FORMAT_BINVOX ||
-           format == SVO_VOXEL_FORMAT_NVDB || format == SVO_VOXEL_FORMAT_BT || points_input_is_given(state);
+           format == SVO_VOXEL_FORMAT_NVDB || format == SVO_VOXEL_FORMAT_VDB || format == SVO_VOXEL_FORMAT_BT ||
+           points_input_is_given(state);
 }
 
 static svo_voxels_load_options load_options_of(program *state)

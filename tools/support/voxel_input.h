@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* INPUT of a command where it is a voxel file, .vox, .svx, .binvox, .nvdb, .bt, or a point cloud. */
+/* INPUT of a command where it is a voxel file, .vox, .svx, .binvox, .nvdb, .vdb, .bt, or a point cloud. */
 #ifndef SVOCL_TOOLS_SUPPORT_VOXEL_INPUT_H
 #define SVOCL_TOOLS_SUPPORT_VOXEL_INPUT_H
 

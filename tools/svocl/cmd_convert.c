@@ -345,9 +345,10 @@ static size_t find_left_out(const conversion *done, const char *out[PARTS_MAX])
     const bool obj = format == SVO_VOXEL_FORMAT_OBJ;
     const bool vox = format == SVO_VOXEL_FORMAT_VOX;
     const bool bt = format == SVO_VOXEL_FORMAT_BT;
+    const bool vdb = format == SVO_VOXEL_FORMAT_VDB;
     const bool faces = done->written.voxel_faces > 0;
     const char *const parts[PARTS_MAX] = {
-        colors && (binvox || bt) ? "colors" : NULL, alpha && (binvox || svx || obj || bt) ? "alpha" : NULL,
+        colors && (binvox || bt) ? "colors" : NULL, alpha && (binvox || svx || obj || bt || vdb) ? "alpha" : NULL,
         list->material_count > 1 && (binvox || obj || bt || faces || (svx && list->material_count > 256)) ? "materials"
                                                                                                           : NULL,
         list->property_count > 0 && !vox ? "properties of materials" : NULL,

@@ -110,7 +110,7 @@ static void put_input(FILE *page)
 {
     put_paragraph(
         page, "INPUT is a mesh file (OBJ, PLY, STL, OFF, glTF and others that assimp reads), a voxel file (.vox, .svx, "
-              ".binvox, .nvdb), a .svo or .svc file where no build is needed, or a scene made on the fly, "
+              ".binvox, .nvdb, .vdb), a .svo or .svc file where no build is needed, or a scene made on the fly, "
               "scene:NAME[:triangles[:seed]].");
     fputs(".PP\nWith \\fB\\-\\fR, or the path of a pipe, INPUT is read from there. Its first bytes tell the format. "
           "Meshes of several files cannot come through a pipe: glTF with files beside it, and OBJ with materials.\n"

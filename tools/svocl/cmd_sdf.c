@@ -104,8 +104,9 @@ static int write_field(program *state, const distance_field *made)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    if (output_has_suffix(path, ".nvdb")) {
-        const svo_status status = svo_sdf_save(made->sdf, output_sink(&file), &message);
+    const svo_voxel_format format = svo_voxel_format_of_path(path);
+    if (format != SVO_VOXEL_FORMAT_AUTO) {
+        const svo_status status = svo_sdf_save_as(made->sdf, output_sink(&file), format, &message);
         if (status != SVO_OK && file.error == 0) { /* else output_commit reports it */
             output_abandon(&file);
             return program_fail_library(state, message.text);

@@ -135,7 +135,7 @@ class Voxels(Handle):
     def load(
         cls, path: Path, *, hidden: bool = False, frame: int = 0, voxels_max: int = 0, axes: Axes = Axes.AUTO
     ) -> "Voxels":
-        """Reads a .vox, .svx, .binvox, .nvdb or .bt file; its bytes say which. Warnings go to the logger "svocl".
+        """Reads a .vox, .svx, .binvox, .nvdb, .vdb or .bt file; its bytes say which. Warnings go to the logger "svocl".
 
         Args:
             path: of the file.
@@ -148,7 +148,7 @@ class Voxels(Handle):
             FileError: the file cannot be read.
             FileDamagedError: it is truncated, damaged or of another format.
             InvalidArgumentError: no such frame, or too many voxels.
-            UnsupportedError: .svx or .nvdb, and svocl was built without what they need.
+            UnsupportedError: .svx, .nvdb or .vdb, and svocl was built without what they need.
         """
         need_io("Voxels.load")
         source, _kept = from_path(path)
@@ -283,7 +283,7 @@ class Voxels(Handle):
             call(lib.svo_voxels_set_axes, pointer, Axes(axes))
 
     def save(self, path: Path) -> _generated.VoxelsSaveInfo:
-        """Writes a file, whole or not at all; its suffix says the format: .vox, .svx, .binvox, .nvdb, .bt, .ply
+        """Writes a file, whole or not at all; its suffix says the format: .vox, .svx, .binvox, .nvdb, .vdb, .bt, .ply
         (points) or .obj (the outer faces of cubes).
 
         Args:
@@ -295,7 +295,7 @@ class Voxels(Handle):
         Raises:
             FileError: the file cannot be written.
             InvalidArgumentError: no known suffix, or more than the format can hold.
-            UnsupportedError: .svx or .nvdb, and svocl was built without what they need.
+            UnsupportedError: .svx, .nvdb or .vdb, and svocl was built without what they need.
         """
         need_io("Voxels.save")
         return self._write(lib.svo_voxels_save, path)
