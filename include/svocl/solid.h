@@ -18,8 +18,8 @@
  * crossing is a point of the surface, so it lies in one voxel and the voxel's list has its triangle), and walks along
  * the octree lead from one such sum to the next. For a closed mesh both give the same.
  *
- * By SVO_SOLID_GENERALIZED (Jacobson, Kavan and Sorkine-Hornung 2013), cells of a mesh that is not closed are decided on
- * the host, in the thread that calls: by the crossings along +z, exact, less the solid angles below the edges of the
+ * By SVO_SOLID_GENERALIZED (Jacobson, Kavan and Sorkine-Hornung 2013), cells of a mesh that is not closed are decided
+ * on the host, in the thread that calls: by the crossings along +z, exact, less the solid angles below the edges of the
  * boundary, in doubles with a bound on their error. The result is that of the sum over all edges; clusters of far ones
  * stand in for them only where the bound says that they decide the same.
  *

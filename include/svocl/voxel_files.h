@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** \file
- * Voxel files (svocl::io): .vox, .svx, .binvox, .nvdb, .vdb and .bt to lists of voxels and back, points as .ply, cubes as
- * .obj.
+ * Voxel files (svocl::io): .vox, .svx, .binvox, .nvdb, .vdb and .bt to lists of voxels and back, points as .ply, cubes
+ * as .obj.
  *
  *     format    read  write  holds
  *     .vox      yes   yes    MagicaVoxel, versions 150 and 200: models, a scene of them, 255 colors, materials
@@ -108,8 +108,8 @@ typedef struct svo_voxel_file_info {
 /** All zero. */
 #define SVO_VOXEL_FILE_INFO_INIT SVO_STRUCT_INIT(svo_voxel_file_info)
 
-/** Reads a .vox, .svx, .binvox, .nvdb, .vdb or .bt file; its bytes say which. docs/voxel_files.md says what becomes of each
- *  part. svo_voxels_left_out says what the list lacks.
+/** Reads a .vox, .svx, .binvox, .nvdb, .vdb or .bt file; its bytes say which. docs/voxel_files.md says what becomes of
+ *  each part. svo_voxels_left_out says what the list lacks.
  *
  * \param source the file
  * \param options NULL means all defaults
@@ -202,9 +202,10 @@ typedef struct svo_voxels_save_info {
  *  k-means finds. Properties are written to the materials' chunks. .binvox: the occupancy, in the smallest cube whose
  *  edge is a power of two. .svx: occupancy, colors without alpha, and materials unless one is above 255. .nvdb: a grid
  *  "density", a fog volume that is 1 in voxels, and where there are any, grids "color" and "material" of the same
- *  voxels. .vdb: the same grids in OpenVDB's types, without alpha. .bt: the occupancy, at planes that are whole multiples of voxel_edge: places are moved to the nearest.
- *  Voxels may be 32768 from the origin, at most. None of these has properties of materials; .vox has neither origin nor
- *  voxel_edge. svo_voxels_set_axes says which axis is up in the file: z in .vox and .bt, unless it says otherwise.
+ *  voxels. .vdb: the same grids in OpenVDB's types, without alpha. .bt: the occupancy, at planes that are whole
+ *  multiples of voxel_edge: places are moved to the nearest. Voxels may be 32768 from the origin, at most. None of
+ *  these has properties of materials; .vox has neither origin nor voxel_edge. svo_voxels_set_axes says which axis is up
+ *  in the file: z in .vox and .bt, unless it says otherwise.
  *
  * \param voxels not NULL
  * \param sink receives the file
@@ -256,8 +257,8 @@ SVO_API svo_status svo_sdf_save(const svo_sdf *sdf, svo_sink sink, svo_message *
  * \param sink receives the file
  * \param format SVO_VOXEL_FORMAT_NVDB, SVO_VOXEL_FORMAT_VDB, or AUTO: by the suffix of the sink's path
  * \param message receives the reason for a failure; NULL allowed
- * \returns what svo_sdf_save returns; SVO_INVALID_ARGUMENT also for another format, SVO_UNSUPPORTED for .vdb where svocl
- *          was built without zlib. */
+ * \returns what svo_sdf_save returns; SVO_INVALID_ARGUMENT also for another format, SVO_UNSUPPORTED for .vdb where
+ *           svocl was built without zlib. */
 SVO_API svo_status svo_sdf_save_as(const svo_sdf *sdf, svo_sink sink, svo_voxel_format format, svo_message *message);
 
 #ifdef __cplusplus

@@ -122,8 +122,8 @@ svo_status svo_i_voxels_put(voxel_writer *writer, const void *bytes, size_t byte
 /* Gives what is in the buffer to the sink. */
 svo_status svo_i_voxels_flush(voxel_writer *writer);
 
-/* A copy of the voxels in another order, for svo_i_free. low: a corner from which on codes are made, at most that of the
-   list. */
+/* A copy of the voxels in another order, for svo_i_free. low: a corner from which on codes are made, at most that of
+   the list. */
 svo_status svo_i_voxels_sorted(const voxel_writer *writer, const int32_t low[3], svo_i_voxel_order order,
                                svo_voxel **out);
 

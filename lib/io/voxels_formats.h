@@ -12,8 +12,8 @@ svo_status svo_i_voxels_read_nvdb(voxel_reader *reader);
 svo_status svo_i_voxels_read_vdb(voxel_reader *reader);
 svo_status svo_i_voxels_read_bt(voxel_reader *reader);
 
-/* Checks a .vox file and fills the reader's info, as reading does, without a list. Where the reader has a take_part, the
-   models go there. */
+/* Checks a .vox file and fills the reader's info, as reading does, without a list. Where the reader has a take_part,
+   the models go there. */
 svo_status svo_i_voxels_check_vox(voxel_reader *reader);
 
 /* Write a file of one format. */

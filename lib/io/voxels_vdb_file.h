@@ -166,7 +166,7 @@ void svo_i_vdb_tree_end(vdb_tree *tree);
 svo_status svo_i_vdb_read_topology(vdb_input *in, vdb_tree *tree);
 svo_status svo_i_vdb_read_buffers(vdb_input *in, vdb_tree *tree);
 
-/* The values of a node, until those of another one of its level are asked for. Not of leaves of VDB_BOOL or VDB_MASK. */
+/* The values of a node, until another one of its level is asked for. Not of leaves of VDB_BOOL or VDB_MASK. */
 svo_status svo_i_vdb_values(vdb_input *in, vdb_tree *tree, int level, const vdb_node *node, const uint8_t **values);
 
 /* The node of a level that holds a voxel; NULL: there is none. */

@@ -40,7 +40,7 @@ const vdb_type *svo_i_vdb_type(const char *name, size_t bytes)
 
 double svo_i_vdb_number(const vdb_type *type, const uint8_t *value, uint32_t component)
 {
-    const uint8_t *from = value + component * (type->value_bytes / type->components);
+    const uint8_t *from = value + (size_t)component * (type->value_bytes / type->components);
     float number = 0.0F;
     double wide = 0.0;
     int32_t whole = 0;

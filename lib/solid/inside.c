@@ -4,8 +4,9 @@
  * decides for each region (kernels/solid/regions.cl). Of others, and where regions are many, each cell takes three
  * lines: the tree's leaf lists say which triangles may cross a column inside a leaf (cross.cl); chains along columns
  * add the leaves' sums up (chain.cl), and every empty child takes the number of the next crossed leaf (fill.cl). Both
- * give the same for a closed mesh. By SVO_SOLID_GENERALIZED the host decides with the numbers along +z (winding.h). Scratch of the first is 33 bytes per inner node, 24 per inner node above the deepest
- * ones and a quarter per leaf, that of the second 8 per node, 44 per leaf and 2 per inner node.
+ * give the same for a closed mesh. By SVO_SOLID_GENERALIZED the host decides with the numbers along +z (winding.h).
+ * Scratch of the first is 33 bytes per inner node, 24 per inner node above the deepest ones and a quarter per leaf,
+ * that of the second 8 per node, 44 per leaf and 2 per inner node.
  */
 #include "solid/inside.h"
 

@@ -1,30 +1,31 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Generalized winding numbers (Jacobson, Kavan and Sorkine-Hornung, "Robust Inside-Outside Segmentation using
- * Generalized Winding Numbers", 2013), by one line and the boundary, as in Martens and Bessmeltsev, "The One-Shot Method
- * for Robust Winding Numbers" (2025).
+ * Generalized Winding Numbers", 2013), by one line and the boundary, as in Martens and Bessmeltsev, "The One-Shot
+ * Method for Robust Winding Numbers" (2025).
  *
  * Walls that hang from the edges of the boundary down to infinity close the mesh: with them, the winding number at a
  * point is the sum of crossings of the line from there upwards, which meets no wall. So that of the mesh is
  *
  *     w = crossings - (sum of the walls' solid angles) / 4 pi
  *
- * Crossings are exact (cross.cl). The solid angle of the wall below the edge from a to b, seen from the origin, is twice
- * the angle of the complex number (Van Oosterom and Strackee, 1983)
+ * Crossings are exact (cross.cl). The solid angle of the wall below the edge from a to b, seen from the origin, is
+ * twice the angle of the complex number (Van Oosterom and Strackee, 1983)
  *
  *     s_a s_b + conj(a') b'        with a' = a_x + i a_y and s_a = |a| - a_z
  *
  * It jumps by 4 pi where the line passes through the edge, as crossings do by 1. So the sign of its imaginary part is
  * that of kernels/solid/crossing.clh, exact and by the top-left rule, which is as if the point lay a bit further in
  * direction +x, and less in direction -y. What rounding may do to an angle is then a matter of how far it turns: the
- * number is small beside its terms only if the edge passes close by the point. The bounds on errors are the sum of these.
+ * number is small beside its terms only if the edge passes close by the point. The bounds on errors are the sum of
+ * these.
  *
- * Far away, a cluster of edges is replaced by edges from its center to the ends that do not cancel in it, none if it has
- * whole loops. The two differ by a closed chain, whose cone from the center is a surface in a ball. Where the line does
- * not meet the ball, the difference is that surface's solid angle, of which the dipole is taken (Barill, Dickson, Schmidt,
- * Levin and Jacobson, "Fast Winding Numbers for Soups and Clouds", 2018). With area S, radius R and distance d, it is off
- * by less than 2 R S / (d - R)^3, since 2 / r^3 bounds the derivative of x / |x|^3. Numbers that this leaves undecided are
- * summed up again with less of it, and at last with none: no result depends on clusters.
+ * Far away, a cluster of edges is replaced by edges from its center to the ends that do not cancel in it, none if it
+ * has whole loops. The two differ by a closed chain, whose cone from the center is a surface in a ball. Where the line
+ * does not meet the ball, the difference is that surface's solid angle, of which the dipole is taken (Barill, Dickson,
+ * Schmidt, Levin and Jacobson, "Fast Winding Numbers for Soups and Clouds", 2018). With area S, radius R and distance
+ * d, it is off by less than 2 R S / (d - R)^3, since 2 / r^3 bounds the derivative of x / |x|^3. Numbers that this
+ * leaves undecided are summed up again with less of it, and at last with none: no result depends on clusters.
  *
  * All of it is +, -, *, / and sqrt of doubles in one order, rounded as IEEE 754 says: every host has the same bits.
  */
@@ -235,8 +236,8 @@ static uint64_t code_of_loop(const svo_i_boundary *boundary, const svo_i_boundar
     return 1 + svo_cell_to_code(cell);
 }
 
-/* Puts short loops behind the others, with those side by side that lie close together, and edges in their order. Returns
-   false when out of memory. */
+/* Puts short loops behind the others, with those side by side that lie close together, and edges in their order.
+   Returns false when out of memory. */
 static bool sort_pieces(const svo_i_memory *memory, svo_i_boundary *boundary)
 {
     placed_piece *placed = svo_i_alloc_zeroed(memory, boundary->piece_count, sizeof *placed);

@@ -307,11 +307,12 @@ static void draw_place(brushing *which, view_state *state, const float pixel[2])
     }
     find_center(&state->brush, &hit, center);
     const bool is_first = state->brush.begins || !which->is_along || !is_near(which, state, pixel, center, hit.along);
-    const bool has_moved = is_first || memcmp(center, which->last, sizeof center) != 0;
+    const double *last = which->last;
+    const bool has_moved = is_first || center[0] != last[0] || center[1] != last[1] || center[2] != last[2];
     state->brush.begins = false;
-    if (has_moved && !(!is_box    ? apply_capsule(which, state, is_first ? center : which->last, center)
+    if (has_moved && !(!is_box    ? apply_capsule(which, state, is_first ? center : last, center)
                        : is_first ? apply_box(which, state, center)
-                                  : apply_boxes(which, state, which->last, center))) {
+                                  : apply_boxes(which, state, last, center))) {
         state->brush.is_down = false; /* the log says why */
         return;
     }
