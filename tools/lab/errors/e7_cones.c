@@ -20,9 +20,9 @@
 #define DEEPEST       9u
 #define DEEPEST_QUICK 7u
 #define POINTS        2048u
-#define POINTS_QUICK  128u
+#define POINTS_QUICK  256u
 #define SAMPLES       8192u
-#define SAMPLES_QUICK 512u
+#define SAMPLES_QUICK 1024u
 #define ROUNDS        3u /* where --repeat says nothing: there are two dozen methods */
 #define WAYS          15u
 #define RAY_METHODS   10u
