@@ -181,10 +181,11 @@ matrix_edit()
     shift 2
     # shellcheck disable=SC2016 # expanded by the inner shell
     output=$("${runner[@]::${#runner[@]}-1}" sh -c '
-        folder=$(mktemp -d) && trap "rm -rf $folder" EXIT && cd "$folder" && cat >session.txt &&
-            path=${*##*--path } && "$0" scene knot:200 -q -o knot.obj >&2 && "$0" build "$@" -q -o tree.svo >&2 &&
-            "$0" edit tree.svo session.txt --path "$path" -q -o edited.svo >&2 &&
-            "$0" edit tree.svo session.txt --path "$path" --builder cl -q -o built.svo >&2 &&
+        program=$(realpath "$0") && path=${*##*--path } &&
+            folder=$(mktemp -d) && trap "rm -rf $folder" EXIT && cd "$folder" && cat >session.txt &&
+            "$program" scene knot:200 -q -o knot.obj >&2 && "$program" build "$@" -q -o tree.svo >&2 &&
+            "$program" edit tree.svo session.txt --path "$path" -q -o edited.svo >&2 &&
+            "$program" edit tree.svo session.txt --path "$path" --builder cl -q -o built.svo >&2 &&
             cmp edited.svo built.svo >&2 && md5sum <edited.svo' "${runner[-1]}" "$@" 2>&1 <"$matrix_session") ||
         output="exit code $?: ${output//$'\n'/ | }"
     output=${output##*$'\n'}
