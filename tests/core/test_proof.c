@@ -392,7 +392,7 @@ static void nothing_is_said_of_a_right_driver(void **state)
         unsigned depth;
         svo_plan_options options;
     } rows[] = {{5, {.need = SVO_NEED_ALL, .place = SVO_PLACE_DEVICE}},
-                {11, {.need = SVO_NEED_COLOR, .coverage = SVO_COVERAGE_THIN}},
+                {11, {.need = SVO_NEED_COLOR, .coverage = SVO_COVERAGE_THIN, .edge = 64.0}}, /* the scene is small */
                 {5, {.need = SVO_NEED_RAYS, .builder = SVO_BUILDER_SORTED}},
                 {1, {.need = SVO_NEED_NONE, .edge = 0.3, .origin = {0.1, 0.1, 0.1}}}};
     const fixture opened = fixture_cl_of_group(state);
