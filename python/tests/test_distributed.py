@@ -18,7 +18,7 @@ import time
 import numpy as np
 import pytest
 import shapes
-from cluster import DEPTH, PART_BYTES, SECONDS, Pool, expect_tree, finish, long, run, start, write_torus
+from cluster import DEPTH, PART_BYTES, SECONDS, Pool, expect_tree, finish, long, run, start
 
 import svocl
 from svocl.distributed import _run, _tasks, model, plan_parts
@@ -27,23 +27,6 @@ from svocl.distributed.__main__ import read_options
 pytest.importorskip("distributed", reason="Dask's distributed is not installed (pip install distributed)")
 pytest.importorskip("tqdm", reason="tqdm is not installed (pip install tqdm)")
 pytestmark = pytest.mark.skipif(not svocl.has_io, reason="built without svocl::io")
-
-
-@pytest.fixture(scope="module")
-def mesh_file(tmp_path_factory):
-    return write_torus(tmp_path_factory.mktemp("mesh") / "torus.obj")
-
-
-@pytest.fixture(scope="module")
-def mesh(mesh_file):
-    return svocl.read_mesh(mesh_file)
-
-
-@pytest.fixture(scope="module")
-def whole(device, mesh):
-    """The hash of the tree in one piece."""
-    with device.build(mesh, DEPTH) as tree:
-        return tree.hash()
 
 
 @pytest.fixture(scope="module")

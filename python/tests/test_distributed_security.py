@@ -9,7 +9,7 @@ import shutil
 import subprocess
 
 import pytest
-from cluster import DEPTH, PART_BYTES, Pool, expect_tree, run, write_torus
+from cluster import DEPTH, PART_BYTES, Pool, expect_tree, run
 
 import svocl
 from svocl.distributed import _security, model
@@ -17,18 +17,6 @@ from svocl.distributed import _security, model
 pytest.importorskip("distributed", reason="Dask's distributed is not installed (pip install distributed)")
 pytest.importorskip("tqdm", reason="tqdm is not installed (pip install tqdm)")
 pytestmark = pytest.mark.skipif(not svocl.has_io, reason="built without svocl::io")
-
-
-@pytest.fixture(scope="module")
-def mesh_file(tmp_path_factory):
-    return write_torus(tmp_path_factory.mktemp("mesh") / "torus.obj")
-
-
-@pytest.fixture(scope="module")
-def whole(device, mesh_file):
-    """The hash of the tree in one piece."""
-    with device.build(svocl.read_mesh(mesh_file), DEPTH) as tree:
-        return tree.hash()
 
 
 class Authority:

@@ -10,7 +10,7 @@ import time
 
 import numpy as np
 import pytest
-from cluster import DEPTH, PART_BYTES, SECONDS, Pool, finish, long, run, start, write_torus
+from cluster import DEPTH, PART_BYTES, SECONDS, Pool, finish, long, run, start
 
 import svocl
 from svocl.distributed import StoredParts, _store
@@ -54,16 +54,6 @@ def url(request, tmp_path):
         request.getfixturevalue("s3")
         return f"s3://bucket/{tmp_path.name}"
     return f"memory://{tmp_path.name}"
-
-
-@pytest.fixture(scope="module")
-def mesh_file(tmp_path_factory):
-    return write_torus(tmp_path_factory.mktemp("mesh") / "torus.obj")
-
-
-@pytest.fixture(scope="module")
-def mesh(mesh_file):
-    return svocl.read_mesh(mesh_file)
 
 
 @pytest.fixture(scope="module")
