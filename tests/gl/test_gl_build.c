@@ -98,7 +98,8 @@ static void every_coverage_and_depth_gives_the_same_tree(void **state)
     owned_mesh_free(&made);
 }
 
-/* Codes of both lengths, and triangles that reach outside the grid. */
+/* Codes of both lengths, and triangles that reach outside the grid. Of the mesh a unit has eight voxels at each depth,
+   at the grid's upper end, where codes have all their bits. */
 static void deep_trees_are_the_same(void **state)
 {
     static const double corner[3] = {0.3, 0.4, 0.5};
@@ -106,10 +107,13 @@ static void deep_trees_are_the_same(void **state)
     attributed_mesh made;
     attributed_mesh_create(9, 40, 20.0, &made);
     owned_mesh dust;
-    random_dust(2, 300, corner, 0.002, &dust);
+    random_dust(2, 300, corner, 0.0005, &dust);
     for (unsigned depth = 9; depth <= SVO_DEPTH_MAX; ++depth) {
-        const svo_plan_options options = {
-            .need = NEED_UNIFORM, .weights = SVO_WEIGHTS_CENTER, .edge = depth > 12 ? 1000.0 : 64.0};
+        const double edge = ldexp(1.0, (int)depth - 3);
+        const svo_plan_options options = {.need = NEED_UNIFORM,
+                                          .weights = SVO_WEIGHTS_CENTER,
+                                          .origin = {10.0 - edge, 10.0 - edge, 10.0 - edge},
+                                          .edge = edge};
         assert_same_tree(opened, &made.mesh, depth, &options, NULL);
         assert_same_tree(opened, &dust.mesh, depth, &(svo_plan_options){.need = SVO_NEED_RAYS, .edge = 1.0}, NULL);
     }
