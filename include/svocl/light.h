@@ -235,8 +235,9 @@ SVO_API svo_status svo_light_set_sources(svo_light *light, const svo_light_setup
 /** Gives a light the mesh that its tree was made of, in place of an earlier one. Pictures then have its textures,
  *  vertex colors, materials and vertex normals at the points that the camera sees; far away, where rays are wider than
  *  leaves, the payload of the leaf as without a mesh. Textures have levels of half the size each, which take a third
- *  more. All rays of light go through what shows in part by the alpha of the mesh at the point. What surfaces reflect
- *  between each other has the colors of leaves as before.
+ *  more. All rays of light go through what shows in part by the alpha of the mesh at the point. Where the mesh has
+ *  materials or vertex colors, paths find these, too, where they meet it: what surfaces reflect and emit then has no
+ *  error of the leaves that several of them share. Photons and cones have the colors of leaves as before.
  *
  * The light of later sources has the mesh, too; svo_light_update takes it away, since triangles may have changed.
  *
@@ -313,11 +314,12 @@ typedef struct svo_gather_options {
 /** Gathers ambient occlusion, irradiance and specular radiance at points, and the direct light of the sources, which is
  *  not part of irradiance: that is what surfaces reflect and emit, and the sky.
  *
- * Rays meet what the tree's exact rays meet: triangles, else voxels. What they meet has the color of its leaf and
- * reflects on the side that is met; emission, as finishes have it, leaves both sides. Directions follow from the bits
- * of a point's position and normal alone, so that results do not depend on what else is in a call. A fourth of paths
- * more, 16 at least, samples the lobe around the reflected direction, if there is one. Where materials of triangles
- * emit, a ray more aims at one of them wherever a path goes on, which leaves the mean as it is and lessens the noise.
+ * Rays meet what the tree's exact rays meet: triangles, else voxels. What they meet has the color of its leaf, or
+ * that of the mesh which svo_light_set_mesh gave, and reflects on the side that is met; emission, as finishes have it,
+ * leaves both sides. Directions follow from the bits of a point's position and normal alone, so that results do not
+ * depend on what else is in a call. A fourth of paths more, 16 at least, samples the lobe around the reflected
+ * direction, if there is one. Where materials of triangles emit, a ray more aims at one of them wherever a path goes on,
+ * which leaves the mean as it is and lessens the noise.
  *
  * Points outside the grid, by more than half a voxel, and points whose normal is zero or not finite get openness 1 and
  * no light.

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Lights that have the mesh of their tree: pictures beside the texels, normals and materials at their pixels, far away
- * beside the leaves; shadows and views through what the texture leaves out; what is refused.
+ * beside the leaves; shadows and views through what the texture leaves out; light between surfaces; what is refused.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -343,6 +343,45 @@ static void materials_are_those_of_triangles(void **state)
     cards_free(on);
 }
 
+/* A red card close above a blue one that emits; the sun shines on the red one, whose light a point above gathers. */
+static void gather_above(void **state, size_t card_count, bool with_mesh, float out[3])
+{
+    static const svo_gather_options by_rays = {.struct_size = sizeof by_rays, .paths = 256};
+    const svo_gather_point above = {.position = {4, 4, 3}, .normal = {0, 0, -1}};
+    svo_gather_result result;
+    cards *on = cards_new(state, TEXELS);
+    on->material[0].rgba[1] = on->material[0].rgba[2] = 0;
+    on->material[1].rgba[0] = on->material[1].rgba[1] = 0;
+    on->finishes[1].emission[2] = 5;
+    add_card(on, 0.4F, 1);
+    for (size_t i = 1; i < card_count; ++i) {
+        add_card(on, 0.4F - 0.3F * (float)i, 1);
+    }
+    light_cards(on);
+    if (with_mesh) {
+        give_mesh(on);
+    }
+    light_succeed(&on->opened, svo_gather(on->light, svo_in_host(&above), svo_in_host(&result), 1, &by_rays,
+                                          &(svo_submit){.queue = on->opened.queue}));
+    memcpy(out, result.irradiance, sizeof result.irradiance);
+    cards_free(on);
+}
+
+/* What is hidden behind a surface in the same leaf does not color its light, nor does it shine through. */
+static void light_between_surfaces_has_their_own_colors(void **state)
+{
+    float alone[3];
+    float of_leaves[3];
+    float own[3];
+    gather_above(state, 1, true, alone);
+    gather_above(state, 2, false, of_leaves);
+    gather_above(state, 2, true, own);
+    assert_true(alone[0] > 0.5F && of_leaves[2] > 0.1F * alone[0]);
+    check_near("red", own[0], alone[0], 1e-3F * alone[0]);
+    check_near("green", own[1], 0, 0);
+    check_near("blue of what is hidden", own[2], 0, 0);
+}
+
 /* Indices and doubles are as good as floats in a row. */
 static void all_kinds_of_arrays_are_read(void **state)
 {
@@ -441,7 +480,7 @@ TEST_GROUP(light_mesh)
         cmocka_unit_test(cut_outs_end_at_their_texels),  cmocka_unit_test(panes_multiply),
         cmocka_unit_test(normals_are_those_of_vertices), cmocka_unit_test(materials_are_those_of_triangles),
         cmocka_unit_test(all_kinds_of_arrays_are_read),  cmocka_unit_test(other_meshes_are_refused),
-        cmocka_unit_test(bad_names_are_harmless),
+        cmocka_unit_test(bad_names_are_harmless),        cmocka_unit_test(light_between_surfaces_has_their_own_colors),
     };
     return cmocka_run_group_tests_name("light_mesh", tests, fixture_group_setup, fixture_group_teardown);
 }
