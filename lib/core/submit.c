@@ -2,6 +2,9 @@
 /* The commands of one call, between a device handle and what the caller gave: an svo_submit and arrays. */
 #include "core/submit.h"
 
+#include <stdint.h>
+#include <string.h>
+
 #include "core/device.h"
 #include "core/staging.h"
 
@@ -26,6 +29,39 @@ void svo_i_call_wait(svo_i_call *call)
     call->event = &call->done;
 }
 
+/* Kernels see arrays of 16-byte elements at most. */
+#define PLACE_BYTES 16u
+
+/* Whether two ranges of memory share bytes. */
+static bool overlap(const void *a, size_t a_bytes, const void *b, size_t b_bytes)
+{
+    const uintptr_t first = (uintptr_t)a;
+    const uintptr_t second = (uintptr_t)b;
+    return first < second + b_bytes && second < first + a_bytes;
+}
+
+/* Whether a kernel can use an array where it is in host memory: CPUs have the same memory. */
+static bool is_in_place(const svo_i_call *call, const void *host)
+{
+    return call->device->cpu_path && (uintptr_t)host % PLACE_BYTES == 0;
+}
+
+/* A buffer of an array in host memory, without a copy. */
+static svo_status borrow(svo_i_call *call, cl_mem_flags flags, const void *host, size_t bytes, cl_mem *out)
+{
+    cl_int error = CL_SUCCESS;
+    void *memory = NULL;
+    memcpy(&memory, &host, sizeof memory); /* clCreateBuffer takes no pointer to const */
+    *out = clCreateBuffer(call->device->context, flags | CL_MEM_USE_HOST_PTR, bytes, memory, &error);
+    if (error != CL_SUCCESS) {
+        *out = NULL;
+        return svo_i_device_fail_cl(call->device, call->function, "clCreateBuffer", error);
+    }
+    call->own[call->own_count++] = *out;
+    svo_i_call_wait(call);
+    return SVO_OK;
+}
+
 /* The call waits for what is in host memory. */
 static svo_status make_own(svo_i_call *call, const char *name, cl_mem_flags flags, size_t bytes, cl_mem *out)
 {
@@ -46,6 +82,11 @@ svo_status svo_i_call_input(svo_i_call *call, const char *name, const svo_array 
         *out = array->buffer;
         return svo_i_device_check_memory(call->device, call->function, name, array->buffer, bytes);
     }
+    if (is_in_place(call, array->host)) {
+        call->borrowed = array->host;
+        call->borrowed_bytes = bytes;
+        return borrow(call, CL_MEM_READ_ONLY, array->host, bytes, out);
+    }
     SVO_I_TRY(make_own(call, name, CL_MEM_READ_ONLY, bytes, out));
     return svo_i_device_write(call->device, call->function, call->queue, *out, 0, array->host, bytes);
 }
@@ -62,7 +103,10 @@ svo_status svo_i_call_output(svo_i_call *call, const char *name, const svo_array
         *out = array->buffer;
         return svo_i_device_check_output(call->device, call->function, name, array->buffer, bytes);
     }
-    SVO_I_TRY(make_own(call, name, CL_MEM_WRITE_ONLY, bytes, out));
+    call->is_mapped =
+        is_in_place(call, array->host) && !overlap(array->host, bytes, call->borrowed, call->borrowed_bytes);
+    SVO_I_TRY(call->is_mapped ? borrow(call, CL_MEM_WRITE_ONLY, array->host, bytes, out)
+                              : make_own(call, name, CL_MEM_WRITE_ONLY, bytes, out));
     call->from = *out;
     call->to = array->host;
     call->first_byte = first_byte;
@@ -165,12 +209,35 @@ cleanup:
 
 /* ---- the end ---- */
 
+/* Waits for a result that the kernel wrote in its place. OpenCL promises it there once it was mapped. */
+static cl_int map(const svo_i_call *call)
+{
+    cl_int error = CL_SUCCESS;
+    cl_event is_mapped = NULL;
+    cl_event is_unmapped = NULL;
+    void *mapped = clEnqueueMapBuffer(call->queue, call->from, CL_FALSE, CL_MAP_READ, call->first_byte,
+                                      call->read_bytes, 1, &call->done, &is_mapped, &error);
+    if (error != CL_SUCCESS) {
+        return error;
+    }
+    error = clEnqueueUnmapMemObject(call->queue, call->from, mapped, 1, &is_mapped, &is_unmapped);
+    const cl_int ended = clWaitForEvents(1, error == CL_SUCCESS ? &is_unmapped : &is_mapped);
+    clReleaseEvent(is_mapped);
+    if (is_unmapped != NULL) {
+        clReleaseEvent(is_unmapped);
+    }
+    return error == CL_SUCCESS ? ended : error;
+}
+
 /* Reads the result, or waits. */
 static svo_status finish(svo_i_call *call)
 {
     cl_int error = CL_SUCCESS;
     const char *name = "clWaitForEvents";
-    if (call->to != NULL) {
+    if (call->to != NULL && call->is_mapped) {
+        name = "clEnqueueMapBuffer";
+        error = map(call);
+    } else if (call->to != NULL) {
         name = "clEnqueueReadBuffer";
         error = svo_i_download(call->device,
                                &(svo_i_download_from){.queue = call->queue,

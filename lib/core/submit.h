@@ -27,6 +27,9 @@ typedef struct svo_i_call {
     cl_event *given; /* the caller's */
     cl_mem own[SVO_I_ARRAYS_MAX]; /* buffers in place of arrays in host memory */
     cl_uint own_count;
+    const void *borrowed; /* the input that kernels read where it is in host memory; NULL: none */
+    size_t borrowed_bytes;
+    bool is_mapped; /* the output is written where it is in host memory */
     cl_mem from; /* what is read */
     void *to; /* NULL: nothing is */
     size_t first_byte, read_bytes;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What calls with an svo_submit have in common: NULL for the queue is the device's own; without an svo_submit, and with
- * arrays in host memory, they wait, and else for nothing; their commands wait for the caller's events; memory that
- * kernels write must not be CL_MEM_READ_ONLY; a call of OpenCL that fails is named; targets refuse what they have not,
- * and trees that are on no device refuse everything.
+ * arrays in host memory, they wait, and else for nothing; such arrays lie anywhere; commands wait for the caller's
+ * events; memory that kernels write must not be CL_MEM_READ_ONLY; a call of OpenCL that fails is named; targets refuse
+ * what they have not, and trees that are on no device refuse everything.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,6 +17,7 @@
 #include <string.h>
 
 #include "core/compact.h"
+#include "core/device.h"
 #include "core/tree.h"
 #include "scenes.h"
 #include "support/counting.h"
@@ -499,6 +500,38 @@ static void arrays_in_host_memory_wait_for_events(void **state)
     release_subjects(&of);
 }
 
+/* Arrays in host memory lie anywhere, also on each other. On CPUs kernels use those that are aligned where they are:
+   nothing is copied. */
+static void arrays_in_host_memory_lie_anywhere(void **state)
+{
+    enum { BYTES = COUNT * RECORD_BYTES };
+    static const struct {
+        size_t input, output; /* from a place that is aligned */
+        bool is_copied;
+    } places[] = {{0, BYTES, false},      {16, BYTES + 48, false}, {4, BYTES + 16, true},
+                  {0, BYTES + 4, false},  {8, BYTES + 12, true},   {0, 0, false},
+                  {BYTES / 2, 16, false}, {16, BYTES / 2, false}};
+    subjects of = make_subjects(state);
+    _Alignas(64) unsigned char memory[3 * BYTES];
+    for (size_t i = 0; i < BATCH_COUNT; ++i) {
+        unsigned char expected[BYTES] = {0};
+        const unsigned char zeros[BYTES] = {0};
+        succeed(&of, batches[i].call(&of, svo_in_host(zeros), svo_in_host(expected), COUNT, NULL));
+        for (size_t k = 0; k < sizeof places / sizeof places[0]; ++k) {
+            memset(memory, 0, sizeof memory);
+            counting_begin();
+            succeed(&of, batches[i].call(&of, svo_in_host(memory + places[k].input),
+                                         svo_in_host(memory + places[k].output), COUNT, NULL));
+            const counted did = counting_read();
+            assert_memory_equal(memory + places[k].output, expected, BYTES);
+            if (of.opened.device->cpu_path) {
+                assert_int_equal(did.writes, places[k].is_copied ? 1 : 0);
+            }
+        }
+    }
+    release_subjects(&of);
+}
+
 static void batches_of_nothing_wait_for_events(void **state)
 {
     subjects of = make_subjects(state);
@@ -650,6 +683,7 @@ TEST_GROUP(enqueue)
         cmocka_unit_test(a_marker_that_fails_is_named),
         cmocka_unit_test(pictures_without_a_queue_take_the_devices_own),
         cmocka_unit_test(arrays_in_host_memory_wait_for_events),
+        cmocka_unit_test(arrays_in_host_memory_lie_anywhere),
         cmocka_unit_test(batches_of_nothing_wait_for_events),
         cmocka_unit_test(builds_without_a_queue_take_the_devices_own),
         cmocka_unit_test(updates_without_a_queue_take_the_devices_own),
