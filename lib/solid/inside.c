@@ -384,6 +384,9 @@ static void decide_node(const classifier *c, host_part *host, size_t item)
     const unsigned child_log2 = c->params.depth - c->params.level - 1;
     cl_uchar *mask = &host->masks[c->params.first + item];
     unsigned inside = 0;
+    if (*mask != 255) {
+        svo_i_winding_enter(&host->winding, c->params.level, host->codes[item]);
+    }
     for (unsigned octant = 0; octant < 8; ++octant) {
         uint32_t voxel[3];
         if ((*mask >> octant & 1) != 0) {

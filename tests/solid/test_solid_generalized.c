@@ -219,13 +219,10 @@ static void closed_parts_make_their_union(void **state)
 
 /* ---- beside the sum ---- */
 
-/* A sphere without what is above a plane, and so with a rim of 2 rings edges, in any direction. */
-static void add_bowl(parts *made, unsigned rings, const double normal[3], double limit)
+/* Leaves out what is not all below a plane, of the triangles from the first one on. */
+static void keep_below(parts *made, size_t first, const double center[3], const double normal[3], double limit)
 {
-    const double center[3] = {15.7, 16.1, 15.9};
-    const size_t first = made->triangle_count;
     size_t kept = first;
-    parts_add_sphere(made, center, 12.3, rings);
     for (size_t i = first; i < made->triangle_count; ++i) {
         bool keep = true;
         for (size_t corner = 0; corner < 3; ++corner) {
@@ -241,6 +238,15 @@ static void add_bowl(parts *made, unsigned rings, const double normal[3], double
         }
     }
     made->triangle_count = kept;
+}
+
+/* A sphere without what is above a plane, and so with a rim of 2 rings edges, in any direction. */
+static void add_bowl(parts *made, unsigned rings, const double normal[3], double limit)
+{
+    const double center[3] = {15.7, 16.1, 15.9};
+    const size_t first = made->triangle_count;
+    parts_add_sphere(made, center, 12.3, rings);
+    keep_below(made, first, center, normal, limit);
 }
 
 /* Rims that are long enough for clusters of a part of them. */
@@ -288,11 +294,15 @@ static void soups_of_triangles(void **state)
 
 /* A sphere whose triangles do not meet, each as large as a part of one that does. Seen from inside that part by its
    square of all directions is covered, by what is far. */
-static svo_solid_info solve_with_gaps(void **state, double part)
+static svo_solid_info solve_with_gaps(void **state, double part, unsigned rings, bool is_half)
 {
     const double center[3] = {15.7, 16.1, 15.9};
     parts sphere = {.vertex_count = 0};
-    parts_add_sphere(&sphere, center, 13.1, 8);
+    parts_add_sphere(&sphere, center, 13.1, rings);
+    if (is_half) {
+        const double up[3] = {0.48, 0.64, 0.6};
+        keep_below(&sphere, 0, center, up, 0.1);
+    }
     const size_t corners = 3 * sphere.triangle_count;
     parts made = {malloc(3 * corners * sizeof(double)), malloc(corners * sizeof(uint32_t)), corners,
                   sphere.triangle_count};
@@ -315,8 +325,11 @@ static svo_solid_info solve_with_gaps(void **state, double part)
 /* With a half of all directions covered, numbers are so close to 1/2 that little error would show. */
 static void triangles_with_gaps_enclose(void **state)
 {
-    assert_true(solve_with_gaps(state, 0.84).inside_voxels > 4000);
-    solve_with_gaps(state, sqrt(0.5));
+    assert_true(solve_with_gaps(state, 0.84, 8, false).inside_voxels > 4000);
+    solve_with_gaps(state, sqrt(0.5), 8, false);
+    /* Small ones, which are far from all of a cube of cells; of a half, whose sum changes from cell to cell. */
+    solve_with_gaps(state, sqrt(0.5), 20, false);
+    solve_with_gaps(state, 0.9, 36, true);
 }
 
 /* Corners and edges on the lines through centers: what crosses there and what the walls jump by must be of one mind. */
