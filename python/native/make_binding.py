@@ -34,7 +34,7 @@ cl_int clReleaseEvent(cl_event event);
 CALLBACKS = """
 extern "Python" void svocl_python_log(void *user, svo_log_level level, const char *text);
 extern "Python" int svocl_python_progress(void *user, svo_stage stage, double fraction);
-extern "Python" int svocl_python_edit_progress(void *user, double fraction);
+extern "Python" int svocl_python_fraction(void *user, double fraction);
 """
 
 

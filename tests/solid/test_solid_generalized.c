@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -352,6 +353,70 @@ static void corners_of_holes_on_the_columns(void **state)
     }
 }
 
+/* ---- progress ---- */
+
+typedef struct watcher {
+    unsigned calls, stop_at; /* it stops the call with this one, from 1 on; 0: never */
+    double last;
+} watcher;
+
+static int watch(void *user, double fraction)
+{
+    watcher *seen = user;
+    assert_true(seen->calls > 0 ? fraction >= seen->last && fraction <= 1.0 : fraction == 0.0);
+    seen->last = fraction;
+    ++seen->calls;
+    return seen->calls == seen->stop_at;
+}
+
+/* Stops a fill at each call of the callback. */
+static void stop_at_each_call(const fixture *opened, const svo_tree *tree, svo_solid_options options, unsigned calls)
+{
+    for (unsigned stop_at = 1; stop_at <= calls; ++stop_at) {
+        watcher some = {.stop_at = stop_at};
+        svo_compact *solid = NULL;
+        char message[128];
+        options.progress_user = &some;
+        assert_int_equal(svo_solid_create(tree, &options, opened->queue, &solid, NULL), SVO_CANCELED);
+        assert_null(solid);
+        assert_int_equal(some.calls, stop_at);
+        (void)snprintf(message, sizeof message, "svo_solid_create: the progress callback stopped the call at %.0f %%",
+                       100.0 * some.last);
+        assert_string_equal(svo_device_message(opened->device), message);
+    }
+}
+
+/* A call that is stopped makes nothing; the next one makes what it does without. */
+static void solids_tell_their_progress_and_stop(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const double up[3] = {0.0, 0.0, 1.0};
+    const svo_plan_options plan = {.need = SVO_NEED_RAYS, .edge = WIDTH};
+    parts made = {.vertex_count = 0};
+    add_bowl(&made, 24, up, 6.0);
+    const svo_mesh mesh = parts_mesh(&made);
+    built tree;
+    fixture_build(&opened, &mesh, DEPTH, &plan, &tree);
+    for (int rule = SVO_SOLID_WINDING; rule <= SVO_SOLID_GENERALIZED; ++rule) {
+        watcher all = {.calls = 0};
+        svo_solid_options options = {
+            .struct_size = sizeof options, .rule = (svo_solid_rule)rule, .progress = watch, .progress_user = &all};
+        svo_solid_info infos[2] = {SVO_SOLID_INFO_INIT, SVO_SOLID_INFO_INIT};
+        svo_compact *solid = NULL;
+        assert_int_equal(svo_solid_create(tree.tree, &options, opened.queue, &solid, &infos[0]), SVO_OK);
+        svo_compact_destroy(&solid);
+        assert_true(all.last == 1.0);
+        assert_true(all.calls >= (rule == SVO_SOLID_GENERALIZED ? 3 + DEPTH : 3));
+        stop_at_each_call(&opened, tree.tree, options, all.calls);
+        options.progress = NULL;
+        assert_int_equal(svo_solid_create(tree.tree, &options, opened.queue, &solid, &infos[1]), SVO_OK);
+        assert_memory_equal(&infos[0], &infos[1], sizeof infos[0]);
+        svo_compact_destroy(&solid);
+    }
+    built_destroy(&tree);
+    parts_free(&made);
+}
+
 TEST_GROUP(solid_generalized)
 {
     const struct CMUnitTest tests[] = {
@@ -362,6 +427,7 @@ TEST_GROUP(solid_generalized)
         cmocka_unit_test(soups_of_triangles),
         cmocka_unit_test(triangles_with_gaps_enclose),
         cmocka_unit_test(corners_of_holes_on_the_columns),
+        cmocka_unit_test(solids_tell_their_progress_and_stop),
     };
     return cmocka_run_group_tests_name("solid_generalized", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -62,7 +62,7 @@ def svocl_python_progress(user: Any, stage: int, fraction: float) -> int:
 
 
 @_callback(after_exception=1)
-def svocl_python_edit_progress(user: Any, fraction: float) -> int:
+def svocl_python_fraction(user: Any, fraction: float) -> int:
     return _stops(ffi.from_handle(user)(fraction))
 
 
