@@ -37,6 +37,11 @@ extern "Python" int svocl_python_progress(void *user, svo_stage stage, double fr
 extern "Python" int svocl_python_fraction(void *user, double fraction);
 """
 
+# The same, with types of svocl::io.
+IO_CALLBACKS = """
+extern "Python" svo_status svocl_python_voxel_part(void *user, const svo_voxel_part *part);
+"""
+
 
 def preprocess(compiler: str, include: str, text: str, options: list[str]) -> str:
     """Runs the preprocessor over text; of all system headers only CL/cl.h has content."""
@@ -74,10 +79,12 @@ def main() -> None:
     )
     arguments = parser.parse_args()
     includes = '#include "svocl/svocl.h"\n'
+    callbacks = CALLBACKS
     if arguments.io:
+        callbacks += IO_CALLBACKS
         includes += "".join(f'#include "svocl/{name}.h"\n' for name in ("io", "paged", "parts", "parts_tree", "points"))
     builder = cffi.FFI()
-    builder.cdef(declarations(arguments.compiler, arguments.include, includes) + CL_FUNCTIONS + CALLBACKS)
+    builder.cdef(declarations(arguments.compiler, arguments.include, includes) + CL_FUNCTIONS + callbacks)
     builder.set_source("svocl._native", includes)
     builder.emit_c_code(arguments.output)
 

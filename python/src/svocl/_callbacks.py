@@ -66,6 +66,14 @@ def svocl_python_fraction(user: Any, fraction: float) -> int:
     return _stops(ffi.from_handle(user)(fraction))
 
 
+if hasattr(lib, "svo_voxels_load_parts"):  # of svocl::io
+
+    @_callback(after_exception=lib.SVO_CANCELED)
+    def svocl_python_voxel_part(user: Any, part: Any) -> int:
+        ffi.from_handle(user)(part)
+        return int(lib.SVO_OK)
+
+
 def _stops(stop: Any) -> int:
     if stop is not None and not isinstance(stop, (bool, np.bool_)):
         raise TypeError(f"progress: the callable returned {type(stop).__name__}, expected None or bool")
