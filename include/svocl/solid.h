@@ -20,8 +20,8 @@
  *
  * By SVO_SOLID_GENERALIZED (Jacobson, Kavan and Sorkine-Hornung 2013), cells of a mesh that is not closed are decided
  * on the host, in the thread that calls: by the crossings along +z, exact, less the solid angles below the edges of the
- * boundary, in doubles with a bound on their error. The result is that of the sum over all edges; clusters of far ones
- * stand in for them only where the bound says that they decide the same.
+ * boundary, in doubles with a bound on their error. The result is that of the sum over all edges; clusters of far ones,
+ * for a cell or for a cube of cells, stand in for them only where the bound says that they decide the same.
  *
  * Thread-safety: svo_solid_create needs exclusive use of the tree's device handle.
  */
@@ -47,12 +47,22 @@ typedef enum svo_solid_rule {
     SVO_SOLID_GENERALIZED = 2
 } svo_solid_rule;
 
+/** Receives the progress of svo_solid_create, and may stop it: at the beginning 0, at the end 1, and in between often
+ *  where the host decides (SVO_SOLID_GENERALIZED). It must not use the device.
+ *
+ * \param user progress_user of the options
+ * \param fraction 0 .. 1, never less than in the call before
+ * \returns 0 to go on. Else the call ends with SVO_CANCELED, and nothing is made. */
+typedef int (*svo_solid_progress_callback)(void *user, double fraction);
+
 /** Options of a solid. */
 typedef struct svo_solid_options {
     size_t struct_size; /**< sizeof(svo_solid_options) */
     svo_solid_rule rule; /**< what is inside */
     uint8_t color[4]; /**< RGBA8 of the interior leaves, for trees with colors; all 0: opaque white */
     uint16_t material; /**< of the interior leaves, for trees with materials: below 65535, into the mesh's */
+    svo_solid_progress_callback progress; /**< NULL: nothing is called */
+    void *progress_user; /**< passed to progress */
 } svo_solid_options;
 
 /** All defaults. */
@@ -95,7 +105,7 @@ typedef struct svo_solid_info {
  * \returns SVO_INVALID_ARGUMENT (a tree without lists, with coverage thin, or with payload from a payload_level above
  *          0; triangles outside its grid; options), SVO_UNSUPPORTED (more than 2^31 - 1 inner nodes, or
  *          2^32 - 2 nodes with the interior leaves), SVO_NOT_ON_DEVICE, SVO_COMPILE_FAILED, SVO_OUT_OF_HOST_MEMORY,
- *          SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR on failure. */
+ *          SVO_OUT_OF_DEVICE_MEMORY, SVO_CL_ERROR or SVO_CANCELED (the progress callback) on failure. */
 SVO_API svo_status svo_solid_create(const svo_tree *tree, const svo_solid_options *options, cl_command_queue queue,
                                     svo_compact **out, svo_solid_info *info);
 

@@ -118,7 +118,7 @@ static svo_status find_signs(svo_i_device_work *work, const svo_tree *tree, svo_
     if (info->is_unsigned != 0) {
         return svo_i_inside_check_mesh(work, tree);
     }
-    SVO_I_TRY(svo_i_inside_find(work, tree, (svo_solid_rule)info->rule, true, &inside, &solid));
+    SVO_I_TRY(svo_i_inside_find(work, tree, (svo_solid_rule)info->rule, true, NULL, &inside, &solid));
     *out = (svo_i_sdf_signs){.cells = inside.mask, .leaves = inside.leaves};
     for (int axis = 0; axis < 3; ++axis) {
         info->open_columns[axis] = solid.open_columns[axis];

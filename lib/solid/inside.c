@@ -54,6 +54,7 @@ typedef struct classifier {
     cl_mem positions; /* of the tree: the mesh as it was given; others that are not read if the snapped one decides */
     svo_decide_params grid; /* of these positions */
     svo_solid_params params;
+    const svo_i_solid_progress *progress;
     svo_i_inside *out;
     svo_solid_info *info;
 } classifier;
@@ -369,6 +370,9 @@ static svo_status decide_columns(classifier *c)
 /* Nodes whose numbers the host takes at a time. */
 #define HOST_NODES (UINT32_C(1) << 18)
 
+/* Nodes between two calls of who is told the progress. */
+#define TOLD_NODES 1024
+
 /* What the host decides with. */
 typedef struct host_part {
     svo_i_winding winding;
@@ -384,6 +388,9 @@ static void decide_node(const classifier *c, host_part *host, size_t item)
     const unsigned child_log2 = c->params.depth - c->params.level - 1;
     cl_uchar *mask = &host->masks[c->params.first + item];
     unsigned inside = 0;
+    if (*mask != 255) {
+        svo_i_winding_enter(&host->winding, c->params.level, host->codes[item]);
+    }
     for (unsigned octant = 0; octant < 8; ++octant) {
         uint32_t voxel[3];
         if ((*mask >> octant & 1) != 0) {
@@ -401,6 +408,16 @@ static void decide_node(const classifier *c, host_part *host, size_t item)
         host->ambiguous += side == SVO_I_WINDING_AMBIGUOUS;
     }
     *mask = (cl_uchar)inside;
+}
+
+/* Tells how many nodes the host has decided, at times. */
+static svo_status tell_nodes(const classifier *c, size_t item)
+{
+    const double part = (double)(c->params.first + item) / (double)c->tree->info.inner_count;
+    return item % TOLD_NODES != 0 || c->progress == NULL
+               ? SVO_OK
+               : svo_i_solid_tell(c->progress, c->tree->device,
+                                  SVO_I_INSIDE_BEGIN + (SVO_I_INSIDE_END - SVO_I_INSIDE_BEGIN) * part);
 }
 
 /* Decides for c->params.first and count, and adds to the counts. */
@@ -422,6 +439,7 @@ static svo_status decide_host_part(classifier *c, host_part *host)
                               host->codes, count * sizeof(cl_ulong)));
     SVO_I_TRY(svo_i_work_read(c->work, c->buffers[SCRATCH_LINES], 0, host->lines, 8 * (size_t)count * sizeof(cl_uint)));
     for (size_t i = 0; i < count; ++i) {
+        SVO_I_TRY(tell_nodes(c, i));
         decide_node(c, host, i);
     }
     c->info->tests += host->tests;
@@ -555,9 +573,9 @@ svo_status svo_i_inside_check_mesh(svo_i_device_work *work, const svo_tree *tree
 }
 
 svo_status svo_i_inside_find(svo_i_device_work *work, const svo_tree *tree, svo_solid_rule rule, bool with_leaves,
-                             svo_i_inside *out, svo_solid_info *info)
+                             const svo_i_solid_progress *progress, svo_i_inside *out, svo_solid_info *info)
 {
-    classifier c = {.work = work, .tree = tree, .out = out, .info = info};
+    classifier c = {.work = work, .tree = tree, .progress = progress, .out = out, .info = info};
     bool closed = false;
     bool decided = false;
     *out = (svo_i_inside){.mask = NULL};

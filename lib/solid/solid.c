@@ -192,6 +192,14 @@ static svo_status make_source(svo_i_device_work *work, const svo_tree *tree, con
 
 /* ---- the solid ---- */
 
+svo_status svo_i_solid_tell(const svo_i_solid_progress *progress, svo_device *device, double fraction)
+{
+    return progress->callback == NULL || progress->callback(progress->user, fraction) == 0
+               ? SVO_OK
+               : svo_i_device_fail(device, SVO_CANCELED, "%s: the progress callback stopped the call at %.0f %%",
+                                   function, 100.0 * fraction);
+}
+
 static svo_status encode(svo_i_device_work *work, const svo_tree *tree, const svo_i_inside *inside,
                          const svo_solid_options *options, svo_compact *compact)
 {
@@ -206,13 +214,17 @@ static svo_status encode(svo_i_device_work *work, const svo_tree *tree, const sv
 static svo_status make(const svo_tree *tree, const svo_solid_options *options, cl_command_queue queue,
                        svo_compact *compact, svo_solid_info *info)
 {
+    const svo_i_solid_progress progress = {options->progress, options->progress_user};
     svo_i_device_work work;
     svo_i_inside inside;
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_work_begin(tree->device, function, queue, &work));
-    SVO_I_TRY_CLEANUP(svo_i_inside_find(&work, tree, options->rule, false, &inside, info));
+    SVO_I_TRY_CLEANUP(svo_i_solid_tell(&progress, tree->device, 0.0));
+    SVO_I_TRY_CLEANUP(svo_i_inside_find(&work, tree, options->rule, false, &progress, &inside, info));
+    SVO_I_TRY_CLEANUP(svo_i_solid_tell(&progress, tree->device, SVO_I_INSIDE_END));
     SVO_I_TRY_CLEANUP(encode(&work, tree, &inside, options, compact));
     SVO_I_TRY_CLEANUP(svo_i_work_wait(&work));
+    SVO_I_TRY_CLEANUP(svo_i_solid_tell(&progress, tree->device, 1.0));
 
 cleanup:
     svo_i_work_end(&work);

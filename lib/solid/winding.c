@@ -27,20 +27,24 @@
  * d, it is off by less than 2 R S / (d - R)^3, since 2 / r^3 bounds the derivative of x / |x|^3. Numbers that this
  * leaves undecided are summed up again with less of it, and at last with none: no result depends on clusters.
  *
+ * Cells of a node share what is far from all of its cube, as in fast multipole methods: top-down, a node adds clusters
+ * of whole loops, no wall of which meets the cube, to a linear function, and hands the others to its children. With h
+ * half the diagonal, that is off by less than 3 h^2 S / (d - R - h)^4 besides, since 6 / r^4 bounds the third
+ * derivatives of 1 / r. So fewer clusters are left for each cell.
+ *
+ * Angles are added up as a product of complex numbers, with the turns around 0 counted: one arc tangent a sum.
+ *
  * All of it is +, -, *, / and sqrt of doubles in one order, rounded as IEEE 754 says: every host has the same bits.
  */
 #include "solid/winding.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
+#include "solid/clusters.h"
 #include "svocl/nodes.h"
 
 #define PI 3.14159265358979323846
-
-/* Edges of a cluster without children, unless one piece has more. */
-#define LEAF_EDGES SVO_I_PIECE_EDGES
 
 /* An angle is off by less than this times the sum of the number's terms by its size. In units of 2^-53: a coordinate is
    off by 2 of itself, |a| by 4, s by 12, the terms by 28; the angle by 1.1 sqrt(2) times that, and the arc by 8. */
@@ -49,254 +53,22 @@
 /* Closer to 1/2 than this, or than the sum may be off, is ambiguous. */
 #define AMBIGUOUS 0x1p-32
 
-/* From so many radii off on a cluster is far away, pass by pass; 0: none is. */
-static const double far_ratios[] = {2.0, 4.0, 12.0, 64.0, 0.0};
-#define PASSES (sizeof far_ratios / sizeof far_ratios[0])
+/* The most that what stands for a cluster may be off, as an angle, pass by pass; 0: there are no clusters. */
+static const double tolerances[] = {0x1p-2, 0x1p-6, 0x1p-9, 0x1p-14, 0x1p-21, 0.0};
+#define PASSES (sizeof tolerances / sizeof tolerances[0])
 
-/* An edge from a cluster's center to a point. */
-typedef struct svo_i_winding_star {
-    uint32_t point;
-    int32_t times; /* -1 : from the point to the center */
-} svo_i_winding_star;
+/* Of those, the first ones add up what is far from a box for all of it. */
+#define BOX_PASSES 3
 
-/* A cluster of pieces that follow each other. */
-typedef struct svo_i_winding_node {
-    double center[3], radius; /* in voxels, of a ball that holds it */
-    double dipole[3], area; /* of the cone: the sum of its triangles, and of their sizes */
-    size_t end; /* the node behind it and all below it */
-    uint32_t first, count; /* pieces */
-    size_t star_first, star_count;
-    bool is_leaf, is_far; /* may be taken for far away */
-} svo_i_winding_node;
+/* The same of clusters in the sum of a box, and of those that are not divided there. */
+#define BOX_TOLERANCE    0x1p-8
+#define LISTED_TOLERANCE 0x1p-6
 
-/* ---- clusters ---- */
+/* A box with no more pieces of the boundary near it serves for all nodes below it. */
+#define FEW_PIECES 32
 
-typedef struct maker {
-    svo_i_winding *made;
-    const svo_i_memory *memory;
-    int32_t *ends; /* by point: how often edges of a cluster end there, less how often they begin there */
-    uint32_t *touched; /* points of the cluster */
-    size_t touched_count, star_capacity;
-} maker;
-
-static void point_at(const svo_i_boundary_point *point, double out[3])
-{
-    for (size_t k = 0; k < 3; ++k) {
-        out[k] = 0.5 * point->half[k] + point->rest[k];
-    }
-}
-
-static size_t first_edge(const svo_i_winding *w, const svo_i_winding_node *node)
-{
-    return w->boundary.pieces[node->first].first;
-}
-
-static size_t edges_end(const svo_i_winding *w, const svo_i_winding_node *node)
-{
-    const svo_i_boundary_piece *last = &w->boundary.pieces[node->first + node->count - 1];
-    return last->first + last->count;
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/* The ball and the cone of a cluster. */
-static void measure(const svo_i_winding *w, svo_i_winding_node *node)
-{
-    const size_t first = first_edge(w, node);
-    const size_t end = edges_end(w, node);
-    double a[3];
-    double b[3];
-    for (size_t i = first; i < end; ++i) {
-        point_at(&w->boundary.points[w->boundary.edges[i].from], a);
-        point_at(&w->boundary.points[w->boundary.edges[i].to], b);
-        for (size_t k = 0; k < 3; ++k) {
-            node->center[k] += (a[k] + b[k]) / (2.0 * (double)(end - first));
-        }
-    }
-    for (size_t i = first; i < end; ++i) {
-        double side[3];
-        point_at(&w->boundary.points[w->boundary.edges[i].from], a);
-        point_at(&w->boundary.points[w->boundary.edges[i].to], b);
-        for (size_t k = 0; k < 3; ++k) {
-            a[k] -= node->center[k];
-            b[k] -= node->center[k];
-        }
-        for (size_t k = 0; k < 3; ++k) {
-            side[k] = 0.5 * (a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3]);
-            node->dipole[k] += side[k];
-        }
-        node->area += sqrt(dot(side, side));
-        node->radius = fmax(node->radius, sqrt(fmax(dot(a, a), dot(b, b))));
-    }
-    node->radius *= 1.0 + 0x1p-30; /* and so is more than rounding makes of it */
-}
-
-/* The ends of a cluster that do not cancel. Returns false when out of memory. */
-static bool make_star(maker *m, svo_i_winding_node *node)
-{
-    svo_i_winding *w = m->made;
-    const size_t first = first_edge(w, node);
-    const size_t end = edges_end(w, node);
-    size_t count = 0;
-    m->touched_count = 0;
-    for (size_t i = 2 * first; i < 2 * end; ++i) {
-        const svo_i_boundary_edge *edge = &w->boundary.edges[i / 2];
-        const uint32_t point = i % 2 == 0 ? edge->from : edge->to;
-        m->touched[m->touched_count++] = point;
-        m->ends[point] += i % 2 == 0 ? -1 : 1;
-    }
-    if (w->star_count + m->touched_count > m->star_capacity) {
-        const size_t capacity = 2 * m->star_capacity + m->touched_count;
-        svo_i_winding_star *grown = svo_i_grow(m->memory, w->stars, capacity * sizeof *grown);
-        if (grown == NULL) {
-            return false;
-        }
-        w->stars = grown;
-        m->star_capacity = capacity;
-    }
-    for (size_t i = 0; i < m->touched_count; ++i) {
-        const uint32_t point = m->touched[i];
-        if (m->ends[point] != 0) {
-            w->stars[w->star_count + count++] = (svo_i_winding_star){point, m->ends[point]};
-            m->ends[point] = 0;
-        }
-    }
-    node->is_far = 2 * count < end - first;
-    node->star_first = w->star_count;
-    node->star_count = node->is_far ? count : 0;
-    w->star_count += node->star_count;
-    return true;
-}
-
-/* How many of these pieces the first half has: whole loops, if they are of several. */
-static uint32_t find_split(const svo_i_winding *w, uint32_t first, uint32_t count)
-{
-    const svo_i_boundary_piece *pieces = w->boundary.pieces + first;
-    for (uint32_t away = 0; away < count / 2; ++away) {
-        const uint32_t below = count / 2 - away;
-        const uint32_t above = count / 2 + away;
-        if (pieces[below].loop_first != pieces[below - 1].loop_first) {
-            return below;
-        }
-        if (above < count && pieces[above].loop_first != pieces[above - 1].loop_first) {
-            return above;
-        }
-    }
-    return count / 2;
-}
-
-/* Adds the cluster of these pieces and those below it. Returns false when out of memory. */
-static bool make_nodes(maker *m, uint32_t first, uint32_t count)
-{
-    svo_i_winding *w = m->made;
-    const size_t index = w->node_count++;
-    svo_i_winding_node *node = &w->nodes[index];
-    *node = (svo_i_winding_node){.first = first, .count = count};
-    node->is_leaf = count == 1 || edges_end(w, node) - first_edge(w, node) <= LEAF_EDGES;
-    measure(w, node);
-    if (!make_star(m, node)) {
-        return false;
-    }
-    const uint32_t half = node->is_leaf ? 0 : find_split(w, first, count);
-    if (!node->is_leaf && (!make_nodes(m, first, half) || !make_nodes(m, first + half, count - half))) {
-        return false;
-    }
-    node->end = w->node_count;
-    return true;
-}
-
-/* A piece by the place of its loop. */
-typedef struct placed_piece {
-    uint64_t code; /* 0: of a long loop */
-    svo_i_boundary_piece piece;
-} placed_piece;
-
-static int compare_pieces(const void *a, const void *b)
-{
-    const placed_piece *left = a;
-    const placed_piece *right = b;
-    return left->code != right->code
-               ? (left->code > right->code) - (left->code < right->code)
-               : (left->piece.first > right->piece.first) - (left->piece.first < right->piece.first);
-}
-
-static uint64_t code_of_loop(const svo_i_boundary *boundary, const svo_i_boundary_piece *piece)
-{
-    uint32_t cell[3];
-    for (size_t k = 0; k < 3; ++k) {
-        uint64_t sum = 0;
-        for (uint64_t i = piece->loop_first; i < piece->loop_end; ++i) {
-            sum += (uint64_t)boundary->points[boundary->edges[i].from].half[k];
-        }
-        cell[k] = (uint32_t)(sum / (piece->loop_end - piece->loop_first));
-    }
-    return 1 + svo_cell_to_code(cell);
-}
-
-/* Puts short loops behind the others, with those side by side that lie close together, and edges in their order.
-   Returns false when out of memory. */
-static bool sort_pieces(const svo_i_memory *memory, svo_i_boundary *boundary)
-{
-    placed_piece *placed = svo_i_alloc_zeroed(memory, boundary->piece_count, sizeof *placed);
-    svo_i_boundary_edge *edges = svo_i_alloc_zeroed(memory, boundary->edge_count, sizeof *edges);
-    size_t count = 0;
-    if (placed == NULL || edges == NULL) {
-        svo_i_free(placed);
-        svo_i_free(edges);
-        return false;
-    }
-    for (size_t i = 0; i < boundary->piece_count; ++i) {
-        const svo_i_boundary_piece *piece = &boundary->pieces[i];
-        placed[i] = (placed_piece){piece->of_long != 0 ? 0 : code_of_loop(boundary, piece), *piece};
-    }
-    qsort(placed, boundary->piece_count, sizeof *placed, compare_pieces);
-    for (size_t i = 0; i < boundary->piece_count; ++i) {
-        const svo_i_boundary_piece *piece = &placed[i].piece;
-        memcpy(edges + count, boundary->edges + piece->first, piece->count * sizeof *edges);
-        boundary->pieces[i] = *piece;
-        boundary->pieces[i].first = count;
-        count += piece->count;
-    }
-    svo_i_free(placed);
-    svo_i_free(boundary->edges);
-    boundary->edges = edges;
-    return true;
-}
-
-/* Makes the clusters of each long loop, and of all others together. Returns false when out of memory. */
-static bool make_trees(maker *m, const svo_i_boundary *boundary)
-{
-    size_t end = 0;
-    for (size_t first = 0; first < boundary->piece_count; first = end) {
-        while (end < boundary->piece_count && boundary->pieces[end].of_long == boundary->pieces[first].of_long) {
-            ++end;
-        }
-        if (!make_nodes(m, (uint32_t)first, (uint32_t)(end - first))) {
-            return false;
-        }
-    }
-    return true;
-}
-
-static bool make_clusters(const svo_i_memory *memory, svo_i_winding *w)
-{
-    const svo_i_boundary *boundary = &w->boundary;
-    maker m = {.made = w, .memory = memory};
-    if (boundary->piece_count == 0) {
-        return true;
-    }
-    w->nodes = svo_i_alloc_zeroed(memory, 2 * boundary->piece_count, sizeof *w->nodes);
-    m.ends = svo_i_alloc_zeroed(memory, boundary->point_count, sizeof *m.ends);
-    m.touched = svo_i_alloc_zeroed(memory, 2 * boundary->edge_count, sizeof *m.touched);
-    const bool good = w->nodes != NULL && m.ends != NULL && m.touched != NULL && sort_pieces(memory, &w->boundary) &&
-                      make_trees(&m, boundary);
-    svo_i_free(m.ends);
-    svo_i_free(m.touched);
-    return good;
-}
+/* Of a box, by its width: more than sqrt(3) / 2. */
+#define HALF_DIAGONAL 0.8661
 
 /* ---- angles ---- */
 
@@ -305,9 +77,10 @@ typedef struct seen {
     double x, y, s;
 } seen;
 
-/* A sum of angles. */
+/* A sum of angles: one, whole turns, and that of a complex number which is a product. */
 typedef struct turn {
-    double angle, error;
+    double angle, x, y, error;
+    int64_t turns;
 } turn;
 
 /* The center of a voxel, in half voxels and in units of exact.clh. */
@@ -342,14 +115,17 @@ static int exact_side(const svo_i_winding *w, const svo_i_boundary_edge *edge, c
 {
     const svo_i_boundary_point *a = &w->boundary.points[edge->from];
     const svo_i_boundary_point *b = &w->boundary.points[edge->to];
+    const svo_big du = svo_big_of(svo_short_subtract(b->offset[0], a->offset[0]));
+    const svo_big dv = svo_big_of(svo_short_subtract(b->offset[1], a->offset[1]));
+    if (svo_big_sign(du) == 0 && svo_big_sign(dv) == 0) {
+        return 0;
+    }
     const svo_short width = svo_decided_width(&w->grid);
     const svo_short half = svo_short_half(width);
     svo_short p[2];
     for (size_t k = 0; k < 2; ++k) {
         p[k] = svo_short_subtract(svo_exact_place(a->offset[k], from->cell[k], width), half);
     }
-    const svo_big du = svo_big_of(svo_short_subtract(b->offset[0], a->offset[0]));
-    const svo_big dv = svo_big_of(svo_short_subtract(b->offset[1], a->offset[1]));
     const SVO_I32 side = svo_big_sign(svo_big_subtract(svo_big_multiply(p[0], dv), svo_big_multiply(p[1], du)));
     return side != 0 ? side : svo_big_sign(dv) != 0 ? -svo_big_sign(dv) : -svo_big_sign(du);
 }
@@ -381,8 +157,24 @@ static double angle_of(double x, double y)
     return x < 0.0 ? PI - acute : acute;
 }
 
+/* So that an angle of pi is one to the left or to the right, and no sum rounds from one to the other. */
+#define LEAST_TURN 0x1p-60
+
+/* Turns by the angle of x + i y, between -pi and pi. |x| + |y| is 1, and y is not 0. */
+static void turn_by(double x, double y, turn *sum)
+{
+    const double real = sum->x * x - sum->y * y;
+    const double imaginary = sum->x * y + sum->y * x;
+    /* Turns to the left lead from the upper half plane to the lower one across the negative numbers, and so back. */
+    sum->turns += y > 0.0 && sum->y >= 0.0 && imaginary < 0.0 ? 1 : 0;
+    sum->turns -= y < 0.0 && sum->y < 0.0 && imaginary >= 0.0 ? 1 : 0;
+    const double scale = fabs(real) + fabs(imaginary) < 0.25 ? 4.0 : 1.0;
+    sum->x = real * scale;
+    sum->y = imaginary * scale;
+}
+
 /* Adds the angle of an edge. side: its exact sign; 2: that of the sum. */
-static void add_angle(const seen *a, const seen *b, int side, double times, turn *sum)
+static void add_angle(const seen *a, const seen *b, int side, int32_t times, turn *sum)
 {
     const double left = a->x * b->y;
     const double right = a->y * b->x;
@@ -391,11 +183,24 @@ static void add_angle(const seen *a, const seen *b, int side, double times, turn
     const double real = first + (a->x * b->x + a->y * b->y);
     const double terms = first + fabs(a->x * b->x) + fabs(a->y * b->y) + fabs(left) + fabs(right);
     const double size = fabs(real) + fabs(imaginary);
-    const double angle = angle_of(real, fabs(imaginary));
-    const double sign = side == 2 ? (imaginary < 0.0 ? -1.0 : 1.0) : side;
-    sum->angle += times * sign * angle;
-    sum->error += size > 0.0 ? fabs(times) * (ANGLE_ERROR * terms / size) : 0.0;
-    sum->error += 0x1p-53 * fabs(sum->angle);
+    if (size == 0.0) {
+        return;
+    }
+    const double inverse = 1.0 / size;
+    const bool is_left = (side == 2 ? imaginary >= 0.0 : side > 0) == (times > 0);
+    const double y = fmax(fabs(imaginary) * inverse, LEAST_TURN);
+    const int32_t count = times < 0 ? -times : times;
+    for (int32_t i = 0; i < count; ++i) {
+        turn_by(real * inverse, is_left ? y : -y, sum);
+    }
+    sum->error += count * (ANGLE_ERROR * terms * inverse);
+}
+
+/* The whole sum. */
+static double angle_of_turn(const turn *sum)
+{
+    const double angle = angle_of(sum->x, fabs(sum->y));
+    return sum->angle + 2.0 * PI * (double)sum->turns + (sum->y < 0.0 ? -angle : angle);
 }
 
 static void add_edge(const svo_i_winding *w, const svo_i_boundary_edge *edge, const seen *a, const seen *b,
@@ -404,15 +209,18 @@ static void add_edge(const svo_i_winding *w, const svo_i_boundary_edge *edge, co
     const double left = a->x * b->y;
     const double right = a->y * b->x;
     const bool is_sure = fabs(left - right) > 0x1p-48 * (fabs(left) + fabs(right));
-    add_angle(a, b, is_sure ? 2 : exact_side(w, edge, from), 1.0, sum);
+    const int side = is_sure ? 2 : exact_side(w, edge, from);
+    if (side != 0) { /* else its wall has no area */
+        add_angle(a, b, side, 1, sum);
+    }
 }
 
 static void add_leaf(const svo_i_winding *w, const svo_i_winding_node *node, const middle *from, turn *sum)
 {
-    const size_t end = edges_end(w, node);
+    const size_t end = svo_i_winding_edges_end(w, node);
     uint32_t last = UINT32_MAX;
     seen b = {0.0, 0.0, 0.0};
-    for (size_t i = first_edge(w, node); i < end; ++i) {
+    for (size_t i = svo_i_winding_first_edge(w, node); i < end; ++i) {
         const svo_i_boundary_edge *edge = &w->boundary.edges[i];
         const seen a = edge->from == last ? b : see_point(&w->boundary.points[edge->from], from);
         b = see_point(&w->boundary.points[edge->to], from);
@@ -421,43 +229,179 @@ static void add_leaf(const svo_i_winding *w, const svo_i_winding_node *node, con
     }
 }
 
-/* Adds a cluster by what stands for it, where its ball is at least so many radii away. Returns whether it did. */
-static bool add_far(const svo_i_winding *w, const svo_i_winding_node *node, const middle *from, double ratio, turn *sum)
+/* Adds the walls below a star, or below the chord of a path. to: the center. */
+static void add_star(const svo_i_winding *w, const svo_i_winding_node *node, const double to[3], const middle *from,
+                     turn *sum)
 {
-    const double to[3] = {node->center[0] - from->at[0], node->center[1] - from->at[1], node->center[2] - from->at[2]};
-    const double distance = sqrt(dot(to, to));
-    const double gap = distance * (1.0 - 0x1p-30) - node->radius;
-    const bool is_above = to[2] + node->radius > 0.0 && to[0] * to[0] + to[1] * to[1] <= node->radius * node->radius;
-    if (!node->is_far || gap <= ratio * node->radius || is_above) {
-        return false;
+    const svo_i_winding_star *star = &w->stars[node->star_first];
+    if (node->is_path) {
+        const seen a = see_point(&w->boundary.points[star[0].point], from);
+        const seen b = see_point(&w->boundary.points[star[1].point], from);
+        add_angle(&a, &b, 2, star[1].times, sum);
+        return;
     }
     const seen center = see(to);
     for (size_t i = 0; i < node->star_count; ++i) {
-        const svo_i_winding_star *star = &w->stars[node->star_first + i];
-        const seen point = see_point(&w->boundary.points[star->point], from);
-        add_angle(&center, &point, 2, star->times, sum);
+        const seen point = see_point(&w->boundary.points[star[i].point], from);
+        add_angle(&center, &point, 2, star[i].times, sum);
     }
-    sum->angle -= 0.5 * dot(node->dipole, to) / (distance * distance * distance);
+}
+
+/* Adds a cluster by what stands for it, where that is not off by more. Returns whether it did. */
+static bool add_far(const svo_i_winding *w, const svo_i_winding_node *node, const middle *from, double tolerance,
+                    turn *sum)
+{
+    const double to[3] = {node->center[0] - from->at[0], node->center[1] - from->at[1], node->center[2] - from->at[2]};
+    const double distance = sqrt(svo_i_winding_dot(to, to));
+    const double gap = distance * (1.0 - 0x1p-30) - node->radius;
+    const double cube = gap * gap * gap;
+    const bool is_above = to[2] + node->radius > 0.0 && to[0] * to[0] + to[1] * to[1] <= node->radius * node->radius;
     /* Half of what the solid angle is off by, as angles of walls are half of theirs. */
-    sum->error += node->radius * node->area / (gap * gap * gap) * (1.0 + 0x1p-30);
-    sum->error += 0x1p-40 * node->area / (distance * distance);
+    const double off = node->radius * node->area * (1.0 + 0x1p-30);
+    if (!node->is_far || gap <= node->radius || off > tolerance * cube || is_above) {
+        return false;
+    }
+    add_star(w, node, to, from, sum);
+    sum->angle -= 0.5 * svo_i_winding_dot(node->dipole, to) / (distance * distance * distance);
+    sum->error += off / cube + 0x1p-40 * node->area / (distance * distance);
     return true;
 }
 
-/* Sums up all walls: their solid angles by 2. ratio: of clusters; 0: there are none. */
-static turn add_walls(const svo_i_winding *w, const middle *from, double ratio)
+/* Sums up the walls of clusters: their solid angles by 2. */
+static void add_walls(const svo_i_winding *w, size_t first, size_t end, const middle *from, double tolerance, turn *sum)
 {
-    turn sum = {0.0, 0.0};
-    for (size_t i = 0; i < w->node_count;) {
+    for (size_t i = first; i < end;) {
         const svo_i_winding_node *node = &w->nodes[i];
-        if (ratio > 0.0 && add_far(w, node, from, ratio, &sum)) {
+        if (tolerance > 0.0 && add_far(w, node, from, tolerance, sum)) {
             i = node->end;
         } else {
             if (node->is_leaf) {
-                add_leaf(w, node, from, &sum);
+                add_leaf(w, node, from, sum);
             }
             ++i;
         }
+    }
+}
+
+/* ---- boxes ---- */
+
+/* What becomes of a cluster in a box. */
+typedef enum box_use {
+    BOX_ADDED, /* it is part of the sum */
+    BOX_LISTED, /* each voxel adds it, or its parts */
+    BOX_DIVIDED /* its parts may be far away */
+} box_use;
+
+/* Adds a cluster to the sum of a box, if no wall of it passes through the box, and what stands for it is not off by
+   more anywhere in there. */
+static box_use use_in_box(const svo_i_winding_node *node, svo_i_winding_box *box)
+{
+    const double to[3] = {node->center[0] - box->center[0], node->center[1] - box->center[1],
+                          node->center[2] - box->center[2]};
+    const double square = svo_i_winding_dot(to, to);
+    const double distance = sqrt(square);
+    const double reach = HALF_DIAGONAL * box->width;
+    const double gap = distance * (1.0 - 0x1p-30) - node->radius - reach;
+    const double cube = gap * gap * gap;
+    const double beside = node->radius + reach;
+    const bool is_above =
+        to[2] + node->radius + 0.5 * box->width > 0.0 && to[0] * to[0] + to[1] * to[1] <= beside * beside;
+    const box_use other = node->is_leaf || node->radius <= reach ? BOX_LISTED : BOX_DIVIDED;
+    if (!node->is_far || gap <= node->radius || is_above || node->radius * node->area > LISTED_TOLERANCE * cube) {
+        return other;
+    }
+    const double off = node->area * (node->radius + 1.5 * reach * reach / gap) * (1.0 + 0x1p-30);
+    if (node->star_count > 0 || off > BOX_TOLERANCE * cube) {
+        return BOX_LISTED; /* it is far away from each voxel */
+    }
+    const double along = svo_i_winding_dot(node->dipole, to);
+    const double scale = 0.5 / (square * distance);
+    box->angle -= scale * along;
+    for (size_t k = 0; k < 3; ++k) {
+        box->slope[k] += scale * (node->dipole[k] - 3.0 * along * to[k] / square);
+    }
+    box->error += off / cube + 0x1p-38 * node->area / square + 0x1p-52 * fabs(box->angle);
+    return BOX_ADDED;
+}
+
+/* Makes the box of a node from that above it. */
+static void make_box(svo_i_winding *w, uint32_t level, uint64_t code)
+{
+    const svo_i_winding_box *above = &w->boxes[level - 1];
+    svo_i_winding_box *box = &w->boxes[level];
+    uint32_t cell[3];
+    *box = *above;
+    box->code = code;
+    box->width = 0.5 * above->width;
+    box->first = above->end;
+    box->end = above->end;
+    box->piece_count = 0;
+    svo_code_to_cell(code, cell);
+    for (size_t k = 0; k < 3; ++k) {
+        box->center[k] = w->grid.corner[k] + (cell[k] + 0.5) * box->width;
+        const double step = above->slope[k] * (box->center[k] - above->center[k]);
+        box->angle += step;
+        box->error += 0x1p-50 * (fabs(step) + fabs(box->angle));
+    }
+    for (size_t item = above->first; item < above->end; ++item) {
+        const size_t end = w->nodes[w->near[item]].end;
+        for (size_t i = w->near[item]; i < end;) {
+            const svo_i_winding_node *node = &w->nodes[i];
+            const box_use use = use_in_box(node, box);
+            if (use == BOX_LISTED) {
+                w->near[box->end++] = (uint32_t)i;
+                box->piece_count += node->count;
+            }
+            i = use == BOX_DIVIDED ? i + 1 : node->end;
+        }
+    }
+}
+
+/* Prepares the boxes. Returns false when out of memory. */
+static bool make_boxes(const svo_i_memory *memory, svo_i_winding *w, uint32_t depth)
+{
+    w->boxes = svo_i_alloc_zeroed(memory, depth, sizeof *w->boxes);
+    w->near = svo_i_alloc_zeroed(memory, depth * (w->boundary.piece_count + 1), sizeof *w->near);
+    if (w->boxes == NULL || w->near == NULL) {
+        return false;
+    }
+    svo_i_winding_box *root = &w->boxes[0];
+    root->width = (double)(1u << depth);
+    for (size_t k = 0; k < 3; ++k) {
+        root->center[k] = w->grid.corner[k] + 0.5 * root->width;
+    }
+    for (size_t i = 0; i < w->node_count; i = w->nodes[i].end) {
+        w->near[root->end++] = (uint32_t)i;
+        root->piece_count += w->nodes[i].count;
+    }
+    return true;
+}
+
+void svo_i_winding_enter(svo_i_winding *w, uint32_t level, uint64_t code)
+{
+    uint32_t at = level < w->box_level ? level : w->box_level;
+    while (w->boxes[at].code != code >> 3 * (level - at)) {
+        --at;
+    }
+    for (; at < level && w->boxes[at].piece_count > FEW_PIECES; ++at) {
+        make_box(w, at + 1, code >> 3 * (level - at - 1));
+    }
+    w->box_level = at;
+}
+
+/* The sum by the box that was entered: of what is far from it, and what is near. */
+static turn add_box(const svo_i_winding *w, const middle *from, double tolerance)
+{
+    const svo_i_winding_box *box = &w->boxes[w->box_level];
+    turn sum = {.angle = box->angle, .x = 1.0, .error = box->error};
+    for (size_t k = 0; k < 3; ++k) {
+        const double step = box->slope[k] * (from->at[k] - box->center[k]);
+        sum.angle += step;
+        sum.error += 0x1p-50 * (fabs(step) + fabs(sum.angle));
+    }
+    for (size_t item = box->first; item < box->end; ++item) {
+        const size_t i = w->near[item];
+        add_walls(w, i, w->nodes[i].end, from, tolerance, &sum);
     }
     return sum;
 }
@@ -502,7 +446,8 @@ svo_status svo_i_winding_of_tree(svo_i_device_work *work, const svo_tree *tree, 
     if (status == SVO_OK) {
         status = svo_i_boundary_find(&tree->device->memory, &mesh, &out->boundary);
     }
-    if (status == SVO_OK && !make_clusters(&tree->device->memory, out)) {
+    if (status == SVO_OK && (!svo_i_winding_make_clusters(&tree->device->memory, out) ||
+                             !make_boxes(&tree->device->memory, out, tree->info.depth))) {
         status = SVO_OUT_OF_HOST_MEMORY;
     }
     svo_i_free(indices);
@@ -518,8 +463,12 @@ void svo_i_winding_release(svo_i_winding *winding)
     svo_i_boundary_release(&winding->boundary);
     svo_i_free(winding->nodes);
     svo_i_free(winding->stars);
+    svo_i_free(winding->boxes);
+    svo_i_free(winding->near);
     winding->nodes = NULL;
     winding->stars = NULL;
+    winding->boxes = NULL;
+    winding->near = NULL;
 }
 
 static middle middle_of(const svo_i_winding *w, const uint32_t voxel[3])
@@ -537,9 +486,15 @@ svo_i_winding_side svo_i_winding_at(const svo_i_winding *winding, const uint32_t
 {
     const middle from = middle_of(winding, voxel);
     for (size_t pass = 0; pass < PASSES; ++pass) {
-        const turn sum = add_walls(winding, &from, far_ratios[pass]);
-        const double over = (crossings - 0.5) - sum.angle / (2.0 * PI);
-        const double error = sum.error / (2.0 * PI) + 0x1p-50 * fabs((double)crossings);
+        turn sum = {.x = 1.0};
+        if (pass < BOX_PASSES) {
+            sum = add_box(winding, &from, tolerances[pass]);
+        } else {
+            add_walls(winding, 0, winding->node_count, &from, tolerances[pass], &sum);
+        }
+        const double angle = angle_of_turn(&sum);
+        const double over = (crossings - 0.5) - angle / (2.0 * PI);
+        const double error = (sum.error + 0x1p-48 * fabs(angle)) / (2.0 * PI) + 0x1p-48 * fabs((double)crossings);
         if (fabs(over) > error + AMBIGUOUS) {
             return over > 0.0 ? SVO_I_WINDING_ABOVE : SVO_I_WINDING_BELOW;
         }

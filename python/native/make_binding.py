@@ -34,7 +34,12 @@ cl_int clReleaseEvent(cl_event event);
 CALLBACKS = """
 extern "Python" void svocl_python_log(void *user, svo_log_level level, const char *text);
 extern "Python" int svocl_python_progress(void *user, svo_stage stage, double fraction);
-extern "Python" int svocl_python_edit_progress(void *user, double fraction);
+extern "Python" int svocl_python_fraction(void *user, double fraction);
+"""
+
+# The same, with types of svocl::io.
+IO_CALLBACKS = """
+extern "Python" svo_status svocl_python_voxel_part(void *user, const svo_voxel_part *part);
 """
 
 
@@ -74,10 +79,12 @@ def main() -> None:
     )
     arguments = parser.parse_args()
     includes = '#include "svocl/svocl.h"\n'
+    callbacks = CALLBACKS
     if arguments.io:
+        callbacks += IO_CALLBACKS
         includes += "".join(f'#include "svocl/{name}.h"\n' for name in ("io", "paged", "parts", "parts_tree", "points"))
     builder = cffi.FFI()
-    builder.cdef(declarations(arguments.compiler, arguments.include, includes) + CL_FUNCTIONS + CALLBACKS)
+    builder.cdef(declarations(arguments.compiler, arguments.include, includes) + CL_FUNCTIONS + callbacks)
     builder.set_source("svocl._native", includes)
     builder.emit_c_code(arguments.output)
 

@@ -160,6 +160,25 @@ def test_a_cube_with_a_hole_says_so(device, cube):
             assert 0 < lid.solid_info.inside_voxels <= 14 * 14 * 15
 
 
+def test_progress_stops_a_solid(device, cube):
+    told = []
+
+    def stop_at_second(fraction):
+        told.append(fraction)
+        return len(told) == 2
+
+    with device.build(cube, 4, need=svocl.Need.RAYS) as hull:
+        with svocl.Solid(hull, progress=told.append) as solid:
+            assert told == sorted(told) and told[0] == 0 and told[-1] == 1
+            made = solid.hash()
+        told.clear()
+        with pytest.raises(svocl.CanceledError, match="the progress callback stopped the call"):
+            svocl.Solid(hull, progress=stop_at_second)
+        assert len(told) == 2
+        with svocl.Solid(hull) as again:
+            assert again.hash() == made
+
+
 def test_what_is_no_solid(device, cube):
     with device.build(cube, 4) as bare, pytest.raises(svocl.InvalidArgumentError, match="holds no leaf lists"):
         svocl.Solid(bare)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Given voxels: lists, the trees of them, and files, there and back."""
 
+import struct
+
 import numpy as np
 import pytest
 
@@ -103,6 +105,84 @@ def test_files_that_are_only_written_or_broken(random, tmp_path):
         svocl.Voxels.load_bytes(content, voxels_max=3)
     with pytest.raises(svocl.FileError, match="No such file"):
         svocl.Voxels.load(tmp_path / "none.vox")
+
+
+def vox_chunk(kind, content, children=b""):
+    return kind + struct.pack("<II", len(content), len(children)) + content + children
+
+
+def vox_dict(**values):
+    content = struct.pack("<I", len(values))
+    for key, value in values.items():
+        content += struct.pack("<I", len(key)) + key.encode() + struct.pack("<I", len(value)) + value.encode()
+    return content
+
+
+def vox_scene():
+    """Two models in three places: the first one twice, once turned by a quarter about z; and a third one nowhere."""
+    models = [((3, 4, 2), [(0, 0, 0, 1), (2, 3, 1, 2)]), ((5, 1, 7), [(4, 0, 6, 9)]), ((1, 1, 1), [(0, 0, 0, 1)])]
+    places = [(0, "4", "0 0 0"), (1, "4", "20 -3 5"), (0, "17", "-9 30 2")]
+    chunks = b""
+    for size, voxels in models:
+        chunks += vox_chunk(b"SIZE", struct.pack("<3I", *size))
+        chunks += vox_chunk(b"XYZI", struct.pack("<I", len(voxels)) + bytes(byte for voxel in voxels for byte in voxel))
+    chunks += vox_chunk(b"nTRN", struct.pack("<I", 0) + vox_dict() + struct.pack("<IiiI", 1, -1, -1, 1) + vox_dict())
+    children = [2 + 2 * i for i in range(len(places))]
+    chunks += vox_chunk(b"nGRP", struct.pack("<I", 1) + vox_dict() + struct.pack("<4I", 3, *children))
+    for child, (model, rotation, moved) in zip(children, places):
+        frame = struct.pack("<IiiI", child + 1, -1, 0, 1) + vox_dict(_r=rotation, _t=moved)
+        chunks += vox_chunk(b"nTRN", struct.pack("<I", child) + vox_dict() + frame)
+        shape = struct.pack("<I", child + 1) + vox_dict() + struct.pack("<II", 1, model) + vox_dict()
+        chunks += vox_chunk(b"nSHP", shape)
+    return b"VOX " + struct.pack("<I", 200) + vox_chunk(b"MAIN", b"", chunks)
+
+
+@pytest.mark.skipif(not svocl.has_io, reason="built without svocl::io")
+def test_parts_of_a_scene_are_its_list(device, tmp_path):
+    path = tmp_path / "scene.vox"
+    path.write_bytes(vox_scene())
+    for axes in (svocl.Axes.AUTO, svocl.Axes.KEEP):
+        parts = svocl.Voxels.load_parts(path, axes=axes)
+        assert [part.model for part in parts] == [0, 1]
+        assert [part.transforms.shape for part in parts] == [(2, 3, 4), (1, 3, 4)]
+        assert [part.voxels.info.voxel_count for part in parts] == [2, 1]
+        placed = set()
+        for part in parts:
+            records = part.voxels.records
+            centers = np.stack([records[axis] + 0.5 for axis in "xyz"] + [np.ones(len(records))])
+            for matrix in part.transforms:
+                moved = records.copy()
+                moved["x"], moved["y"], moved["z"] = np.floor(matrix @ centers)
+                placed |= as_set(moved)
+        with svocl.Voxels.load(path, axes=axes) as voxels:
+            assert placed == as_set(voxels.records) and len(placed) == 5
+            assert all(part.voxels.file_info == voxels.file_info for part in parts)
+    again = svocl.Voxels.load_parts_bytes(path.read_bytes())
+    trees = [part.voxels.build(device) for part in again]
+    rows = [svocl.make_instances(tree, part.transforms) for tree, part in enumerate(again)]
+    with svocl.Scene(trees, np.concatenate(rows)) as scene:
+        assert scene.info.instance_count == 3 and scene.info.tree_count == 2
+
+
+@pytest.mark.skipif(not svocl.has_io, reason="built without svocl::io")
+def test_parts_that_are_refused(random, tmp_path, monkeypatch):
+    path = tmp_path / "scene.vox"
+    path.write_bytes(vox_scene())
+    with pytest.raises(svocl.InvalidArgumentError):
+        svocl.Voxels.load_parts(path, voxels_max=1)
+    with pytest.raises(svocl.FileDamagedError, match="^half: "):
+        svocl.Voxels.load_parts_bytes(path.read_bytes()[:-20], "half")
+    with svocl.Voxels(some_voxels(random)) as voxels:
+        voxels.save(tmp_path / "some.binvox")
+    with pytest.raises(svocl.UnsupportedError):
+        svocl.Voxels.load_parts(tmp_path / "some.binvox")
+
+    def fail(_self, _axes):
+        raise KeyError("in the callback")
+
+    monkeypatch.setattr(svocl.Voxels, "set_axes", fail)  # what the callback raises comes out, and ends the reading
+    with pytest.raises(KeyError, match="in the callback"):
+        svocl.Voxels.load_parts(path)
 
 
 def test_wrong_arguments(device):

@@ -108,27 +108,34 @@ static void pin_solid_of(pins *all, const char *name, const svo_tree *tree, cons
     pin_succeed(all, svo_solid_create(tree, options, all->opened.queue, &solid, &info));
     pin_text(all, "inside",
              "surface %" PRIu64 " voxels %" PRIu64 " leaves %" PRIu64 " tests %" PRIu64 " ambiguous %" PRIu64
-             ", %" PRIu64 " open %" PRIu64 " %" PRIu64 " %" PRIu64,
+             ", %" PRIu64 " open %" PRIu64 " %" PRIu64 " %" PRIu64 " boundary %" PRIu64,
              info.surface_voxels, info.inside_voxels, info.inside_leaves, info.tests, info.ambiguous_cells,
-             info.ambiguous_voxels, info.open_columns[0], info.open_columns[1], info.open_columns[2]);
+             info.ambiguous_voxels, info.open_columns[0], info.open_columns[1], info.open_columns[2],
+             info.boundary_edges);
     pin_made(all, solid, rays);
     svo_compact_destroy(&solid);
 }
 
 void pin_solid(pins *all)
 {
+    static const struct {
+        const char *name;
+        svo_solid_options options;
+    } rules[] = {
+        {"winding", {.struct_size = sizeof(svo_solid_options)}},
+        {"parity",
+         {.struct_size = sizeof(svo_solid_options), .rule = SVO_SOLID_PARITY, .color = {9, 8, 7, 200}, .material = 1}},
+        {"generalized", {.struct_size = sizeof(svo_solid_options), .rule = SVO_SOLID_GENERALIZED}},
+    };
     static svo_ray rays[RAYS];
     for (size_t s = 0; s < PIN_SCENES; ++s) {
-        const svo_solid_options winding = {.struct_size = sizeof winding};
-        const svo_solid_options parity = {
-            .struct_size = sizeof parity, .rule = SVO_SOLID_PARITY, .color = {9, 8, 7, 200}, .material = 1};
         svo_tree *tree = pin_build(all, all->scenes[s].mesh, 5, &(svo_plan_options){.need = ALL_NEEDS});
-        char name[64];
         pin_make_rays(tree, s + 8, rays, RAYS);
-        (void)snprintf(name, sizeof name, "%s winding", all->scenes[s].name);
-        pin_solid_of(all, name, tree, rays, &winding);
-        (void)snprintf(name, sizeof name, "%s parity", all->scenes[s].name);
-        pin_solid_of(all, name, tree, rays, &parity);
+        for (size_t i = 0; i < sizeof rules / sizeof rules[0]; ++i) {
+            char name[64];
+            (void)snprintf(name, sizeof name, "%s %s", all->scenes[s].name, rules[i].name);
+            pin_solid_of(all, name, tree, rays, &rules[i].options);
+        }
         svo_tree_destroy(&tree);
     }
 }

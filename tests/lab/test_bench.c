@@ -126,6 +126,8 @@ static void every_subject_adds_its_tables(void **state)
     expect_positive(table_of(document, "paged"), "picture");
     expect_positive(table_of(document, "paged"), "complete stops");
     expect_positive(table_of(document, "compact-shared"), "per voxel");
+    expect_positive(table_of(document, "compact-shared"), "mirrored records");
+    expect_positive(table_of(document, "compact-shared"), "mirrored per voxel");
     expect_positive(table_of(document, "e6-leaving-out"), "peak");
     assert_true(row_count_of(table_of(document, "light-stages")) > 3 * 5);
     expect_positive(table_of(document, "light-bytes"), "all");

@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -219,13 +220,10 @@ static void closed_parts_make_their_union(void **state)
 
 /* ---- beside the sum ---- */
 
-/* A sphere without what is above a plane, and so with a rim of 2 rings edges, in any direction. */
-static void add_bowl(parts *made, unsigned rings, const double normal[3], double limit)
+/* Leaves out what is not all below a plane, of the triangles from the first one on. */
+static void keep_below(parts *made, size_t first, const double center[3], const double normal[3], double limit)
 {
-    const double center[3] = {15.7, 16.1, 15.9};
-    const size_t first = made->triangle_count;
     size_t kept = first;
-    parts_add_sphere(made, center, 12.3, rings);
     for (size_t i = first; i < made->triangle_count; ++i) {
         bool keep = true;
         for (size_t corner = 0; corner < 3; ++corner) {
@@ -241,6 +239,15 @@ static void add_bowl(parts *made, unsigned rings, const double normal[3], double
         }
     }
     made->triangle_count = kept;
+}
+
+/* A sphere without what is above a plane, and so with a rim of 2 rings edges, in any direction. */
+static void add_bowl(parts *made, unsigned rings, const double normal[3], double limit)
+{
+    const double center[3] = {15.7, 16.1, 15.9};
+    const size_t first = made->triangle_count;
+    parts_add_sphere(made, center, 12.3, rings);
+    keep_below(made, first, center, normal, limit);
 }
 
 /* Rims that are long enough for clusters of a part of them. */
@@ -288,11 +295,15 @@ static void soups_of_triangles(void **state)
 
 /* A sphere whose triangles do not meet, each as large as a part of one that does. Seen from inside that part by its
    square of all directions is covered, by what is far. */
-static svo_solid_info solve_with_gaps(void **state, double part)
+static svo_solid_info solve_with_gaps(void **state, double part, unsigned rings, bool is_half)
 {
     const double center[3] = {15.7, 16.1, 15.9};
     parts sphere = {.vertex_count = 0};
-    parts_add_sphere(&sphere, center, 13.1, 8);
+    parts_add_sphere(&sphere, center, 13.1, rings);
+    if (is_half) {
+        const double up[3] = {0.48, 0.64, 0.6};
+        keep_below(&sphere, 0, center, up, 0.1);
+    }
     const size_t corners = 3 * sphere.triangle_count;
     parts made = {malloc(3 * corners * sizeof(double)), malloc(corners * sizeof(uint32_t)), corners,
                   sphere.triangle_count};
@@ -315,8 +326,11 @@ static svo_solid_info solve_with_gaps(void **state, double part)
 /* With a half of all directions covered, numbers are so close to 1/2 that little error would show. */
 static void triangles_with_gaps_enclose(void **state)
 {
-    assert_true(solve_with_gaps(state, 0.84).inside_voxels > 4000);
-    solve_with_gaps(state, sqrt(0.5));
+    assert_true(solve_with_gaps(state, 0.84, 8, false).inside_voxels > 4000);
+    solve_with_gaps(state, sqrt(0.5), 8, false);
+    /* Small ones, which are far from all of a cube of cells; of a half, whose sum changes from cell to cell. */
+    solve_with_gaps(state, sqrt(0.5), 20, false);
+    solve_with_gaps(state, 0.9, 36, true);
 }
 
 /* Corners and edges on the lines through centers: what crosses there and what the walls jump by must be of one mind. */
@@ -339,6 +353,70 @@ static void corners_of_holes_on_the_columns(void **state)
     }
 }
 
+/* ---- progress ---- */
+
+typedef struct watcher {
+    unsigned calls, stop_at; /* it stops the call with this one, from 1 on; 0: never */
+    double last;
+} watcher;
+
+static int watch(void *user, double fraction)
+{
+    watcher *seen = user;
+    assert_true(seen->calls > 0 ? fraction >= seen->last && fraction <= 1.0 : fraction == 0.0);
+    seen->last = fraction;
+    ++seen->calls;
+    return seen->calls == seen->stop_at;
+}
+
+/* Stops a fill at each call of the callback. */
+static void stop_at_each_call(const fixture *opened, const svo_tree *tree, svo_solid_options options, unsigned calls)
+{
+    for (unsigned stop_at = 1; stop_at <= calls; ++stop_at) {
+        watcher some = {.stop_at = stop_at};
+        svo_compact *solid = NULL;
+        char message[128];
+        options.progress_user = &some;
+        assert_int_equal(svo_solid_create(tree, &options, opened->queue, &solid, NULL), SVO_CANCELED);
+        assert_null(solid);
+        assert_int_equal(some.calls, stop_at);
+        (void)snprintf(message, sizeof message, "svo_solid_create: the progress callback stopped the call at %.0f %%",
+                       100.0 * some.last);
+        assert_string_equal(svo_device_message(opened->device), message);
+    }
+}
+
+/* A call that is stopped makes nothing; the next one makes what it does without. */
+static void solids_tell_their_progress_and_stop(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const double up[3] = {0.0, 0.0, 1.0};
+    const svo_plan_options plan = {.need = SVO_NEED_RAYS, .edge = WIDTH};
+    parts made = {.vertex_count = 0};
+    add_bowl(&made, 24, up, 6.0);
+    const svo_mesh mesh = parts_mesh(&made);
+    built tree;
+    fixture_build(&opened, &mesh, DEPTH, &plan, &tree);
+    for (int rule = SVO_SOLID_WINDING; rule <= SVO_SOLID_GENERALIZED; ++rule) {
+        watcher all = {.calls = 0};
+        svo_solid_options options = {
+            .struct_size = sizeof options, .rule = (svo_solid_rule)rule, .progress = watch, .progress_user = &all};
+        svo_solid_info infos[2] = {SVO_SOLID_INFO_INIT, SVO_SOLID_INFO_INIT};
+        svo_compact *solid = NULL;
+        assert_int_equal(svo_solid_create(tree.tree, &options, opened.queue, &solid, &infos[0]), SVO_OK);
+        svo_compact_destroy(&solid);
+        assert_true(all.last == 1.0);
+        assert_true(all.calls >= (rule == SVO_SOLID_GENERALIZED ? 3 + DEPTH : 3));
+        stop_at_each_call(&opened, tree.tree, options, all.calls);
+        options.progress = NULL;
+        assert_int_equal(svo_solid_create(tree.tree, &options, opened.queue, &solid, &infos[1]), SVO_OK);
+        assert_memory_equal(&infos[0], &infos[1], sizeof infos[0]);
+        svo_compact_destroy(&solid);
+    }
+    built_destroy(&tree);
+    parts_free(&made);
+}
+
 TEST_GROUP(solid_generalized)
 {
     const struct CMUnitTest tests[] = {
@@ -349,6 +427,7 @@ TEST_GROUP(solid_generalized)
         cmocka_unit_test(soups_of_triangles),
         cmocka_unit_test(triangles_with_gaps_enclose),
         cmocka_unit_test(corners_of_holes_on_the_columns),
+        cmocka_unit_test(solids_tell_their_progress_and_stop),
     };
     return cmocka_run_group_tests_name("solid_generalized", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -144,7 +144,7 @@ from ._surface import Surface, surface
 from ._tree import TREE_ARGUMENTS, Camera, Tree, TreeArrays, kernel_options, kernel_source, make_rays
 from ._trimesh import from_trimesh
 from ._tune import TuneResult, TuneSetting, tune
-from ._voxels import Voxels, make_points, make_voxels
+from ._voxels import VoxelPart, Voxels, make_points, make_voxels
 
 __version__: str = _text(_lib.svo_version_string())
 
@@ -258,6 +258,7 @@ __all__ = [
     "UnsupportedError",
     "View",
     "VoxelFileInfo",
+    "VoxelPart",
     "Voxels",
     "VoxelsInfo",
     "VoxelsSaveInfo",

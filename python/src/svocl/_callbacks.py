@@ -62,8 +62,16 @@ def svocl_python_progress(user: Any, stage: int, fraction: float) -> int:
 
 
 @_callback(after_exception=1)
-def svocl_python_edit_progress(user: Any, fraction: float) -> int:
+def svocl_python_fraction(user: Any, fraction: float) -> int:
     return _stops(ffi.from_handle(user)(fraction))
+
+
+if hasattr(lib, "svo_voxels_load_parts"):  # of svocl::io
+
+    @_callback(after_exception=lib.SVO_CANCELED)
+    def svocl_python_voxel_part(user: Any, part: Any) -> int:
+        ffi.from_handle(user)(part)
+        return int(lib.SVO_OK)
 
 
 def _stops(stop: Any) -> int:

@@ -4,7 +4,7 @@
 import contextlib
 import functools
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union
+from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -411,6 +411,8 @@ class Solid(Compact):
         color: RGBA of interior leaves, 0 .. 255, for trees with colors.
         material: of interior leaves, for trees with materials: into the mesh's.
         queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
+        progress: called with the fraction that is done, 0 .. 1; True stops the call, which raises CanceledError. It
+            must not use the device.
 
     Attributes:
         solid_info: the counts.
@@ -431,11 +433,15 @@ class Solid(Compact):
         color: Sequence[int] = (255, 255, 255, 255),
         material: int = 0,
         queue: Any = None,
+        progress: Optional[Callable[[float], Optional[bool]]] = None,
     ) -> None:
         options = _structs.new("svo_solid_options")
         options.rule = SolidRule(rule)
         options.color = _arrays.integers("color", color, np.uint8, (4,)).tolist()
         options.material = _arrays.integer("material", material, 16)
+        if progress is not None:
+            user = ffi.new_handle(progress)
+            options.progress, options.progress_user = lib.svocl_python_fraction, user
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
         out = ffi.new("svo_compact **")
         info = _structs.new("svo_solid_info")

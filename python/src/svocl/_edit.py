@@ -80,7 +80,7 @@ class Edit(Handle):
         options = _structs.new("svo_edit_options")
         if progress is not None:
             self._progress = ffi.new_handle(progress)
-            options.progress, options.progress_user = lib.svocl_python_edit_progress, self._progress
+            options.progress, options.progress_user = lib.svocl_python_fraction, self._progress
         options.max_bytes = _arrays.integer("max_bytes", max_bytes, 64)
         options.undo_count = _arrays.integer("undo_count", undo_count)
         if voxels is None:

@@ -2,7 +2,7 @@
 """Voxels that are given, not made from triangles: lists, their files, and the trees of them."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Optional, Union
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -88,7 +88,7 @@ class Voxels(Handle):
         voxel_edge: width of a voxel, world units, above 0.
 
     Attributes:
-        file_info: what the file holds, of a list from Voxels.load; else None.
+        file_info: what the file holds, of a list from Voxels.load or Voxels.load_parts; else None.
         left_out: what the file holds and the list does not, in one line, such as "8 layers, 1 group"; else "".
         points_info: what the cloud holds, of a list from Voxels.load_points or Voxels.of_points; else None.
 
@@ -175,6 +175,54 @@ class Voxels(Handle):
         need_io("Voxels.load_bytes")
         source, _kept = from_bytes(content, name)
         return cls._load(source, hidden, frame, voxels_max, axes)
+
+    @classmethod
+    def load_parts(
+        cls, path: Path, *, hidden: bool = False, frame: int = 0, voxels_max: int = 0, axes: Axes = Axes.AUTO
+    ) -> "list[VoxelPart]":
+        """Reads a .vox file by its models, not as one list: each that has voxels and that the scene places, once, with
+        where it is placed. Put together by their transforms, the parts are the list of Voxels.load; where instances
+        overlap, that has the later one. The transforms are those of make_instances.
+
+        Args:
+            path: of the file.
+            hidden, frame, axes: see Voxels.load; the first two choose instances.
+            voxels_max: of each model, see Voxels.load.
+
+        Returns:
+            The parts by ascending number of their model.
+
+        Raises:
+            FileError: the file cannot be read.
+            FileDamagedError: it is truncated or damaged.
+            InvalidArgumentError: no such frame, or too many voxels.
+            UnsupportedError: it is no .vox file of MagicaVoxel.
+        """
+        need_io("Voxels.load_parts")
+        source, _kept = from_path(path)
+        return cls._load_parts(source, hidden, frame, voxels_max, axes)
+
+    @classmethod
+    def load_parts_bytes(
+        cls,
+        content: Union[bytes, bytearray, memoryview],
+        name: str = "bytes",
+        *,
+        hidden: bool = False,
+        frame: int = 0,
+        voxels_max: int = 0,
+        axes: Axes = Axes.AUTO,
+    ) -> "list[VoxelPart]":
+        """Voxels.load_parts from memory.
+
+        Args:
+            content: of a file.
+            name: stands for the path in messages.
+            hidden, frame, voxels_max, axes: see Voxels.load_parts.
+        """
+        need_io("Voxels.load_parts_bytes")
+        source, _kept = from_bytes(content, name)
+        return cls._load_parts(source, hidden, frame, voxels_max, axes)
 
     @classmethod
     def load_points(
@@ -434,20 +482,54 @@ class Voxels(Handle):
 
     @classmethod
     def _load(cls, source: Any, hidden: bool, frame: int, voxels_max: int, axes: Axes) -> "Voxels":
-        options = _structs.new("svo_voxels_load_options")
-        options.hidden = bool(hidden)
-        options.frame = _arrays.integer("frame", frame)
-        options.voxels_max = _arrays.integer("voxels_max", voxels_max, 64)
-        options.axes = Axes(axes)
-        options.log = lib.svocl_python_log
+        options = _load_options(hidden, frame, voxels_max, axes)
         info = _structs.new("svo_voxel_file_info")
         made = cls.__new__(cls)
         made._create(lib.svo_voxels_load, source, options, info=info)
-        made.file_info = _structs.read_file_info(info, _generated.VoxelFileInfo)
+        made._describe(info)
+        return made
+
+    @classmethod
+    def _load_parts(cls, source: Any, hidden: bool, frame: int, voxels_max: int, axes: Axes) -> "list[VoxelPart]":
+        options = _load_options(hidden, frame, voxels_max, axes)
+        info = _structs.new("svo_voxel_file_info")
+        message = ffi.new("svo_message *")
+        parts: list[VoxelPart] = []
+
+        def take(part: Any) -> None:  # which is borrowed for the call
+            count = int(part.transform_count)
+            matrices = np.frombuffer(ffi.buffer(part.transforms, count * 12 * 8), np.float64)
+            voxels = cls._copy(part.voxels, axes)
+            parts.append(VoxelPart(int(part.model), voxels, matrices.reshape(count, 3, 4).copy()))
+
+        user = ffi.new_handle(take)
+        arguments = (source, options, lib.svocl_python_voxel_part, user, info, message)
+        status = call(lib.svo_voxels_load_parts, *arguments)
+        if status != lib.SVO_OK:
+            raise error(status, text(message.text))
+        for part in parts:
+            part.voxels._describe(info)
+        return parts
+
+    @classmethod
+    def _copy(cls, pointer: Any, axes: Axes) -> "Voxels":
+        """A list of its own, of one that is borrowed."""
+        info = _structs.new("svo_voxels_info")
+        call(lib.svo_voxels_get_info, pointer, info)
+        source = _structs.new("svo_voxels_source")
+        source.voxels, source.voxel_count = lib.svo_voxels_get(pointer), info.voxel_count
+        source.properties, source.property_count = lib.svo_voxels_get_properties(pointer), info.property_count
+        source.origin, source.voxel_edge = info.origin, info.voxel_edge
+        made = cls.__new__(cls)
+        made._create(lib.svo_voxels_create, source)
+        made.set_axes(axes)
+        return made
+
+    def _describe(self, info: Any) -> None:
         message = ffi.new("svo_message *")
         call(lib.svo_voxels_left_out, info, message)
-        made.left_out = text(message.text)
-        return made
+        self.file_info = _structs.read_file_info(info, _generated.VoxelFileInfo)
+        self.left_out = text(message.text)
 
     @classmethod
     def _collect(cls, function: Any, source: Any, options: Any) -> "Voxels":
@@ -478,6 +560,28 @@ class Voxels(Handle):
 
     def __repr__(self) -> str:
         return "<svocl.Voxels: closed>" if self.closed else f"<svocl.Voxels: {self.info.voxel_count} voxels>"
+
+
+class VoxelPart(NamedTuple):
+    """A model of a .vox file, and where its scene places it."""
+
+    model: int
+    """Its number in the file, from 0 on."""
+    voxels: Voxels
+    """Around the origin, as turned as the list of the file; at least one voxel."""
+    transforms: "np.ndarray[Any, Any]"
+    """(instance_count, 3, 4) float64: where the list is in that of the file, with rows of one 1 or -1 and a whole
+    number, so that voxels come to lie on voxels."""
+
+
+def _load_options(hidden: bool, frame: int, voxels_max: int, axes: Axes) -> Any:
+    options = _structs.new("svo_voxels_load_options")
+    options.hidden = bool(hidden)
+    options.frame = _arrays.integer("frame", frame)
+    options.voxels_max = _arrays.integer("voxels_max", voxels_max, 64)
+    options.axes = Axes(axes)
+    options.log = lib.svocl_python_log
+    return options
 
 
 def _points_options(
