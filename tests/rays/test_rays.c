@@ -713,6 +713,48 @@ static void rays_of_a_packet_are_traced_in_groups(void **state)
     built_destroy(&tree);
 }
 
+/* Bundles of 32 rays from one eye. Packets of the eighth ones are so far apart that they have few leaves in common; of
+   others a ray is invalid, comes from elsewhere, ends soon or begins late, or a packet misses. */
+static void coherent_packets_are_traced_in_bundles(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    enum { RAYS = 16384 };
+    static svo_ray rays[RAYS];
+    static svo_hit expected[RAYS];
+    static svo_hit hits[RAYS];
+    uint64_t random = 23;
+    double at[3] = {0, 0, 0.5};
+    built tree;
+    build_scene(opened, "knot:3000", 6, &tree);
+    for (size_t i = 0; i < RAYS; ++i) {
+        const size_t bundle = i / 32;
+        const size_t kind = bundle % 8;
+        const bool is_odd = i % 32 == bundle % 31; /* NOLINT: one of them */
+        const double wide = kind == 0 ? 0.004 : 0.001;
+        if (i % 32 == 0) {
+            at[0] = 0.2 + 0.6 * random_unit(&random);
+            at[1] = 0.2 + 0.6 * random_unit(&random);
+        }
+        const double from[3] = {1.5 + (kind == 5 && is_odd ? 0.5 : 0), 1.75, 2};
+        const double to[3] = {at[0] + wide * (double)(i % 4), at[1] + wide * (double)(i / 4 % 8),
+                              kind == 7 && i / 8 % 4 == 1 ? 9 : at[2]};
+        rays[i] = random_ray(&random, 1.0);
+        rays[i].t_min = kind == 3 && is_odd ? 1 : 0;
+        rays[i].t_max = kind == 2 && is_odd ? 0.7F : INFINITY;
+        for (int axis = 0; axis < 3; ++axis) {
+            rays[i].origin[axis] = (float)(tree.info.origin[axis] + tree.info.edge * from[axis]);
+            rays[i].direction[axis] = kind == 4 && is_odd ? 0 : (float)(tree.info.edge * (to[axis] - from[axis]));
+        }
+    }
+    run_arrays_kernel(opened, &tree, svo_kernel_options(svo_tree_target(NULL)), 0, rays, expected, RAYS);
+    for (cl_uint any = 0; any < 2; ++any) {
+        trace_rays(opened, &tree, rays, RAYS, any != 0 ? SVO_TRACE_ANY : SVO_TRACE_CLOSEST, hits);
+        expect_hits(hits, expected, RAYS, any, "bundles");
+    }
+    expect_by_field(opened, &tree, rays, 2048);
+    built_destroy(&tree);
+}
+
 /* Packets of short rays in all directions from one or two places close to the surface, so that groups of every size
    occur; some rays are long, invalid, unusual, or begin behind their start. Every fifth packet starts at the grid's
    corner. */
@@ -903,6 +945,7 @@ TEST_GROUP(rays)
         cmocka_unit_test(the_nearest_triangle_agrees_with_the_reference),
         cmocka_unit_test(an_own_kernel_traces_arrays_of_rays),
         cmocka_unit_test(rays_of_a_packet_are_traced_in_groups),
+        cmocka_unit_test(coherent_packets_are_traced_in_bundles),
         cmocka_unit_test(rays_that_end_soon_are_traced_together),
         cmocka_unit_test(voxel_hits_come_just_before_triangle_hits),
         cmocka_unit_test(invalid_calls_are_refused),
