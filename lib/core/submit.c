@@ -103,8 +103,9 @@ svo_status svo_i_call_output(svo_i_call *call, const char *name, const svo_array
         *out = array->buffer;
         return svo_i_device_check_output(call->device, call->function, name, array->buffer, bytes);
     }
-    call->is_mapped =
-        is_in_place(call, array->host) && !overlap(array->host, bytes, call->borrowed, call->borrowed_bytes);
+    /* Kernels may write more than the part that is read. */
+    call->is_mapped = read_bytes == bytes && is_in_place(call, array->host) &&
+                      !overlap(array->host, bytes, call->borrowed, call->borrowed_bytes);
     SVO_I_TRY(call->is_mapped ? borrow(call, CL_MEM_WRITE_ONLY, array->host, bytes, out)
                               : make_own(call, name, CL_MEM_WRITE_ONLY, bytes, out));
     call->from = *out;
