@@ -56,6 +56,8 @@ all_variants()
     for form in LIGHT_{FACES,BRICKS,VOXELS}{,' LIGHT_AREA',' LIGHT_LOBES',{,"$by_rays"}" $picture",' ONE_WORKER'}; do
         find kernels/light -name '*.cl' -printf "%p\t$form\n"
     done
+    # Rays that are no camera's.
+    printf "%s\tLIGHT_FACES $picture${by_rays/ GATHER_ERRORS/} LIT_LEAVES\n" kernels/light/{gather_rays,shade}.cl
     # Cones alone, in trees of one color, normal and material.
     form="LIGHT_FACES GATHER_CONES $picture ONE_COLOR ONE_NORMAL ONE_MATERIAL"
     find kernels/light -name '*.cl' -printf "%p\t$form\n"

@@ -6,8 +6,6 @@
  * Launch: one work-item a point, params.width in all. Reads tree, light, sources and points; writes svo_gather_result.
  * No local memory, no atomics.
  */
-#define SVO_LIT_LEAVES
-
 #include "light/paths.clh"
 
 /* The fewest paths of a lobe. */

@@ -9,8 +9,6 @@
  * Launch: one work-item per SVO_SHADE_RAYS consecutive rays, which share what cones gather. Reads tree, light, sources
  * and rays; writes three floats per ray. params.width: rays. No atomics, no local memory.
  */
-#define SVO_LIT_LEAVES
-
 #include "light/direct.clh"
 #include "light/gather.clh"
 

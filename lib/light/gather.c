@@ -10,6 +10,8 @@
 #include "rays/batch.h"
 #include "rays/rays.h"
 
+/* Rays that are no camera's. Source files have no defines of their own before what they include. */
+#define LEAVES " -DSVO_LIT_LEAVES"
 /* Rays of a work-item: SVO_SHADE_RAYS of the kernel. */
 #define ITEM_RAYS 64u
 /* Rays of a point, and of what a ray meets, to a source that has a size. */
@@ -81,22 +83,22 @@ static const char *points_defines(const svo_light *light, const svo_gather_param
     if (gather->paths == 0) {
         return of_cones;
     }
-    return light->aims_at_sky ? (aims ? " -DSVO_EMITTERS -DSVO_SKY_AIMS" : " -DSVO_SKY_AIMS")
-                              : (aims ? " -DSVO_EMITTERS" : "");
+    return light->aims_at_sky ? (aims ? LEAVES " -DSVO_EMITTERS -DSVO_SKY_AIMS" : LEAVES " -DSVO_SKY_AIMS")
+                              : (aims ? LEAVES " -DSVO_EMITTERS" : LEAVES);
 }
 
 svo_status svo_i_light_points_begin(svo_i_device_work *work, const svo_light *light, const svo_gather_params *gather,
                                     svo_i_light_shader *out)
 {
     return svo_i_light_shader_begin(work, light, &svo_i_program_gather_rays, "svo_k_gather_rays",
-                                    points_defines(light, gather, " -DSVO_GATHER_CONES"), out);
+                                    points_defines(light, gather, LEAVES " -DSVO_GATHER_CONES"), out);
 }
 
 svo_status svo_i_light_points_also(const svo_i_light_shader *first, const svo_gather_params *gather,
                                    svo_i_light_shader *out)
 {
     return svo_i_light_shader_also(first, &svo_i_program_gather_rays, "svo_k_gather_rays",
-                                   points_defines(first->light, gather, " -DSVO_GATHER_ERRORS"), out);
+                                   points_defines(first->light, gather, LEAVES " -DSVO_GATHER_ERRORS"), out);
 }
 
 svo_status svo_i_light_points_set(const svo_i_light_shader *shader, const svo_gather_params *gather,
@@ -186,7 +188,7 @@ svo_status svo_i_light_shade_begin(svo_i_device_work *work, const svo_light *lig
 {
     *out = (svo_i_light_shade){.shader = {.light = light}};
     SVO_I_TRY(read_cones(light, work->function, cones, &out->gather));
-    return svo_i_light_shader_begin(work, light, &svo_i_program_light_shade, "svo_k_light_shade", "", &out->shader);
+    return svo_i_light_shader_begin(work, light, &svo_i_program_light_shade, "svo_k_light_shade", LEAVES, &out->shader);
 }
 
 svo_status svo_i_light_shade_rays(const svo_i_light_shade *shade, cl_mem rays, cl_mem radiance, uint32_t ray_count)
