@@ -318,8 +318,8 @@ typedef struct svo_gather_options {
  * that of the mesh which svo_light_set_mesh gave, and reflects on the side that is met; emission, as finishes have it,
  * leaves both sides. Directions follow from the bits of a point's position and normal alone, so that results do not
  * depend on what else is in a call. A fourth of paths more, 16 at least, samples the lobe around the reflected
- * direction, if there is one. Where materials of triangles emit, a ray more aims at one of them wherever a path goes on,
- * which leaves the mean as it is and lessens the noise.
+ * direction, if there is one. Where materials of triangles emit, a ray more aims at one of them wherever a path goes
+ * on, which leaves the mean as it is and lessens the noise.
  *
  * Points outside the grid, by more than half a voxel, and points whose normal is zero or not finite get openness 1 and
  * no light.

@@ -508,9 +508,8 @@ static void arrays_in_host_memory_lie_anywhere(void **state)
     static const struct {
         size_t input, output; /* from a place that is aligned */
         bool is_copied;
-    } places[] = {{0, BYTES, false},      {16, BYTES + 48, false}, {4, BYTES + 16, true},
-                  {0, BYTES + 4, false},  {8, BYTES + 12, true},   {0, 0, false},
-                  {BYTES / 2, 16, false}, {16, BYTES / 2, false}};
+    } places[] = {{0, BYTES, false},     {16, BYTES + 48, false}, {4, BYTES + 16, true},  {0, BYTES + 4, false},
+                  {8, BYTES + 12, true}, {0, 0, false},           {BYTES / 2, 16, false}, {16, BYTES / 2, false}};
     subjects of = make_subjects(state);
     _Alignas(64) unsigned char memory[3 * BYTES];
     for (size_t i = 0; i < BATCH_COUNT; ++i) {

@@ -395,9 +395,9 @@ bool e7_light_measure(const error_run *run, cone_lights *lights, unsigned depth)
 {
     kind_work work = {.run = run, .scene = lights->truth, .source = lights->truth->source};
     svo_tree *tree = cone_lights_tree(lights, depth, SVO_COVERAGE_HALF_OPEN);
-    bool worked =
-        tree != NULL && take_points(&work) && svo_light_create(tree, NULL, run->opened.queue, &work.light) == SVO_OK &&
-        svo_light_set_mesh(work.light, work.scene->opened.source.mesh, run->opened.queue) == SVO_OK;
+    bool worked = tree != NULL && take_points(&work) &&
+                  svo_light_create(tree, NULL, run->opened.queue, &work.light) == SVO_OK &&
+                  svo_light_set_mesh(work.light, work.scene->opened.source.mesh, run->opened.queue) == SVO_OK;
     for (light_kind kind = AMBIENT_OCCLUSION; kind < LIGHT_KINDS && worked; ++kind) {
         worked = (kind == EMITTERS && !emits(work.scene->opened.source.mesh)) || measure_kind(&work, kind);
     }
