@@ -13,8 +13,13 @@ readonly stack_targets="nvptx64 amdgcn" libclc=/usr/lib/clc
 readonly cpu_defines='PAIR_LANES COLUMN_LANES ONE_WORKER SORT_SERIAL BVH_SERIAL CAST_TILES RAY_STREAMS LANES_APART'
 
 # Lines of a kernel file, a tab and the names of defines without their SVO_: all that are checked, also those that
-# change nothing in the file. No kernel uses all of its helpers.
+# change nothing in the file. No kernel uses all of its helpers. These two always have rays that are no camera's.
 all_variants()
+{
+    listed_variants | sed -E '/^kernels\/light\/(gather_rays|shade)\.cl/s/$/ LIT_LEAVES/'
+}
+
+listed_variants()
 {
     local lists='RANGES LISTS' names form picture='PICTURE_TRIANGLES COLOR NORMAL FINISHES'
     local by_rays=' PICTURE_SCREEN EMITTERS SKY_MAP SKY_AIMS LIT_MESH GATHER_ERRORS'
@@ -56,8 +61,8 @@ all_variants()
     for form in LIGHT_{FACES,BRICKS,VOXELS}{,' LIGHT_AREA',' LIGHT_LOBES',{,"$by_rays"}" $picture",' ONE_WORKER'}; do
         find kernels/light -name '*.cl' -printf "%p\t$form\n"
     done
-    # Rays that are no camera's.
-    printf "%s\tLIGHT_FACES $picture${by_rays/ GATHER_ERRORS/} LIT_LEAVES\n" kernels/light/{gather_rays,shade}.cl
+    # Paths that aim.
+    printf "%s\tLIGHT_FACES $picture${by_rays/ GATHER_ERRORS/}\n" kernels/light/gather_rays.cl
     # Cones alone, in trees of one color, normal and material.
     form="LIGHT_FACES GATHER_CONES $picture ONE_COLOR ONE_NORMAL ONE_MATERIAL"
     find kernels/light -name '*.cl' -printf "%p\t$form\n"
