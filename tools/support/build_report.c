@@ -229,13 +229,22 @@ uint32_t solid_need(const program *state, uint32_t need)
     return solid_is_wanted(state) ? (need & ~(uint32_t)SVO_NEED_NONE) | (uint32_t)SVO_NEED_RAYS : need;
 }
 
+static int follow_fill(void *user, double fraction)
+{
+    progress_part(user, "cells", fraction);
+    return progress_stops(user) ? 1 : 0;
+}
+
 int solid_make(program *state, const svo_device *device, const svo_tree *tree, solid_result *out)
 {
     *out = (solid_result){.info = SVO_SOLID_INFO_INIT, .form = SVO_COMPACT_INFO_INIT};
     if (!solid_is_wanted(state)) {
         return PROGRAM_DONE;
     }
-    const svo_solid_options asked = {.struct_size = sizeof asked, .rule = solid_rule(state)};
+    const svo_solid_options asked = {.struct_size = sizeof asked,
+                                     .rule = solid_rule(state),
+                                     .progress = follow_fill,
+                                     .progress_user = state->progress};
     const double compiled_ms = info_of_device(device).compile_ms;
     progress_step(state->progress, "finding the inside");
     const double start_ms = input_now_ms();
