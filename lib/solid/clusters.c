@@ -23,14 +23,14 @@ static void point_at(const svo_i_boundary_point *point, double out[3])
 }
 
 typedef struct maker {
-    svo_i_winding *made;
+    svo_i_clusters *made;
     const svo_i_memory *memory;
     int32_t *ends; /* by point: how often edges of a cluster end there, less how often they begin there */
     uint32_t *touched; /* points of the cluster */
     size_t touched_count, star_capacity;
 } maker;
 
-static void point_from(const svo_i_winding *w, uint32_t point, const double center[3], double out[3])
+static void point_from(const svo_i_clusters *w, uint32_t point, const double center[3], double out[3])
 {
     point_at(&w->boundary.points[point], out);
     for (size_t k = 0; k < 3; ++k) {
@@ -39,7 +39,7 @@ static void point_from(const svo_i_winding *w, uint32_t point, const double cent
 }
 
 /* Adds the triangle of the center and an edge to the cone of a cluster. */
-static void add_triangle(const svo_i_winding *w, uint32_t from, uint32_t to, svo_i_winding_node *node)
+static void add_triangle(const svo_i_clusters *w, uint32_t from, uint32_t to, svo_i_cluster *node)
 {
     double a[3];
     double b[3];
@@ -50,15 +50,15 @@ static void add_triangle(const svo_i_winding *w, uint32_t from, uint32_t to, svo
         side[k] = 0.5 * (a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3]);
         node->dipole[k] += side[k];
     }
-    node->area += sqrt(svo_i_winding_dot(side, side));
-    node->radius = fmax(node->radius, sqrt(fmax(svo_i_winding_dot(a, a), svo_i_winding_dot(b, b))));
+    node->area += sqrt(svo_i_cluster_dot(side, side));
+    node->radius = fmax(node->radius, sqrt(fmax(svo_i_cluster_dot(a, a), svo_i_cluster_dot(b, b))));
 }
 
 /* The ball and the cone of a cluster. */
-static void measure(const svo_i_winding *w, svo_i_winding_node *node)
+static void measure(const svo_i_clusters *w, svo_i_cluster *node)
 {
-    const size_t first = svo_i_winding_first_edge(w, node);
-    const size_t end = svo_i_winding_edges_end(w, node);
+    const size_t first = svo_i_cluster_first_edge(w, node);
+    const size_t end = svo_i_cluster_edges_end(w, node);
     double a[3];
     double b[3];
     for (size_t i = first; i < end; ++i) {
@@ -75,11 +75,11 @@ static void measure(const svo_i_winding *w, svo_i_winding_node *node)
 }
 
 /* The ends of a cluster that do not cancel. Returns false when out of memory. */
-static bool make_star(maker *m, svo_i_winding_node *node)
+static bool make_star(maker *m, svo_i_cluster *node)
 {
-    svo_i_winding *w = m->made;
-    const size_t first = svo_i_winding_first_edge(w, node);
-    const size_t end = svo_i_winding_edges_end(w, node);
+    svo_i_clusters *w = m->made;
+    const size_t first = svo_i_cluster_first_edge(w, node);
+    const size_t end = svo_i_cluster_edges_end(w, node);
     size_t count = 0;
     m->touched_count = 0;
     for (size_t i = 2 * first; i < 2 * end; ++i) {
@@ -90,7 +90,7 @@ static bool make_star(maker *m, svo_i_winding_node *node)
     }
     if (w->star_count + m->touched_count > m->star_capacity) {
         const size_t capacity = 2 * m->star_capacity + m->touched_count;
-        svo_i_winding_star *grown = svo_i_grow(m->memory, w->stars, capacity * sizeof *grown);
+        svo_i_cluster_star *grown = svo_i_grow(m->memory, w->stars, capacity * sizeof *grown);
         if (grown == NULL) {
             return false;
         }
@@ -100,14 +100,14 @@ static bool make_star(maker *m, svo_i_winding_node *node)
     for (size_t i = 0; i < m->touched_count; ++i) {
         const uint32_t point = m->touched[i];
         if (m->ends[point] != 0) {
-            w->stars[w->star_count + count++] = (svo_i_winding_star){point, m->ends[point]};
+            w->stars[w->star_count + count++] = (svo_i_cluster_star){point, m->ends[point]};
             m->ends[point] = 0;
         }
     }
     node->is_far = 2 * count < end - first;
     node->star_first = w->star_count;
     node->star_count = node->is_far ? count : 0;
-    const svo_i_winding_star *star = &w->stars[node->star_first];
+    const svo_i_cluster_star *star = &w->stars[node->star_first];
     node->is_path = node->star_count == 2 && star[0].times * star[1].times == -1;
     if (node->is_path) { /* its chord, in place of two edges by the center, closes the cone */
         const size_t begin = star[0].times < 0 ? 0 : 1;
@@ -118,7 +118,7 @@ static bool make_star(maker *m, svo_i_winding_node *node)
 }
 
 /* How many of these pieces the first half has: whole loops, if they are of several. */
-static uint32_t find_split(const svo_i_winding *w, uint32_t first, uint32_t count)
+static uint32_t find_split(const svo_i_clusters *w, uint32_t first, uint32_t count)
 {
     const svo_i_boundary_piece *pieces = w->boundary.pieces + first;
     for (uint32_t away = 0; away < count / 2; ++away) {
@@ -137,11 +137,11 @@ static uint32_t find_split(const svo_i_winding *w, uint32_t first, uint32_t coun
 /* Adds the cluster of these pieces and those below it. Returns false when out of memory. */
 static bool make_nodes(maker *m, uint32_t first, uint32_t count)
 {
-    svo_i_winding *w = m->made;
+    svo_i_clusters *w = m->made;
     const size_t index = w->node_count++;
-    svo_i_winding_node *node = &w->nodes[index];
-    *node = (svo_i_winding_node){.first = first, .count = count};
-    node->is_leaf = count == 1 || svo_i_winding_edges_end(w, node) - svo_i_winding_first_edge(w, node) <= LEAF_EDGES;
+    svo_i_cluster *node = &w->nodes[index];
+    *node = (svo_i_cluster){.first = first, .count = count};
+    node->is_leaf = count == 1 || svo_i_cluster_edges_end(w, node) - svo_i_cluster_first_edge(w, node) <= LEAF_EDGES;
     measure(w, node);
     if (!make_star(m, node)) {
         return false;
@@ -227,7 +227,7 @@ static bool make_trees(maker *m, const svo_i_boundary *boundary)
     return true;
 }
 
-bool svo_i_winding_make_clusters(const svo_i_memory *memory, svo_i_winding *w)
+bool svo_i_clusters_make(const svo_i_memory *memory, svo_i_clusters *w)
 {
     const svo_i_boundary *boundary = &w->boundary;
     maker m = {.made = w, .memory = memory};
@@ -242,4 +242,13 @@ bool svo_i_winding_make_clusters(const svo_i_memory *memory, svo_i_winding *w)
     svo_i_free(m.ends);
     svo_i_free(m.touched);
     return good;
+}
+
+void svo_i_clusters_release(svo_i_clusters *clusters)
+{
+    svo_i_boundary_release(&clusters->boundary);
+    svo_i_free(clusters->nodes);
+    svo_i_free(clusters->stars);
+    clusters->nodes = NULL;
+    clusters->stars = NULL;
 }

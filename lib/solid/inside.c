@@ -482,7 +482,7 @@ static svo_status decide_generalized(classifier *c)
         status = status != SVO_OK ? status
                                   : svo_i_winding_of_tree(c->work, c->tree, c->positions, c->params.positions, &c->grid,
                                                           &host.winding);
-        c->info->boundary_edges = host.winding.boundary.edge_count;
+        c->info->boundary_edges = host.winding.clusters.boundary.edge_count;
         status = status != SVO_OK ? status : decide_all_on_host(c, &host);
         svo_i_winding_release(&host.winding);
     }
@@ -570,6 +570,15 @@ svo_status svo_i_inside_check_mesh(svo_i_device_work *work, const svo_tree *tree
     SVO_I_TRY(begin(&c, SVO_SOLID_WINDING, &closed));
     release(&c, SCRATCH_COUNTERS, SCRATCH_INSIDE);
     return SVO_OK;
+}
+
+svo_status svo_i_solid_tell(const svo_i_solid_progress *progress, svo_device *device, double fraction)
+{
+    return progress->callback == NULL || progress->callback(progress->user, fraction) == 0
+               ? SVO_OK
+               : svo_i_device_fail(device, SVO_CANCELED,
+                                   "svo_solid_create: the progress callback stopped the call at %.0f %%",
+                                   100.0 * fraction);
 }
 
 svo_status svo_i_inside_find(svo_i_device_work *work, const svo_tree *tree, svo_solid_rule rule, bool with_leaves,

@@ -192,14 +192,6 @@ static svo_status make_source(svo_i_device_work *work, const svo_tree *tree, con
 
 /* ---- the solid ---- */
 
-svo_status svo_i_solid_tell(const svo_i_solid_progress *progress, svo_device *device, double fraction)
-{
-    return progress->callback == NULL || progress->callback(progress->user, fraction) == 0
-               ? SVO_OK
-               : svo_i_device_fail(device, SVO_CANCELED, "%s: the progress callback stopped the call at %.0f %%",
-                                   function, 100.0 * fraction);
-}
-
 static svo_status encode(svo_i_device_work *work, const svo_tree *tree, const svo_i_inside *inside,
                          const svo_solid_options *options, svo_compact *compact)
 {

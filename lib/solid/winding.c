@@ -41,7 +41,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "solid/clusters.h"
 #include "svocl/nodes.h"
 
 #define PI 3.14159265358979323846
@@ -113,8 +112,8 @@ static seen see_point(const svo_i_boundary_point *point, const middle *from)
    length as the line sees it. */
 static int exact_side(const svo_i_winding *w, const svo_i_boundary_edge *edge, const middle *from)
 {
-    const svo_i_boundary_point *a = &w->boundary.points[edge->from];
-    const svo_i_boundary_point *b = &w->boundary.points[edge->to];
+    const svo_i_boundary_point *a = &w->clusters.boundary.points[edge->from];
+    const svo_i_boundary_point *b = &w->clusters.boundary.points[edge->to];
     const svo_big du = svo_big_of(svo_short_subtract(b->offset[0], a->offset[0]));
     const svo_big dv = svo_big_of(svo_short_subtract(b->offset[1], a->offset[1]));
     if (svo_big_sign(du) == 0 && svo_big_sign(dv) == 0) {
@@ -215,44 +214,43 @@ static void add_edge(const svo_i_winding *w, const svo_i_boundary_edge *edge, co
     }
 }
 
-static void add_leaf(const svo_i_winding *w, const svo_i_winding_node *node, const middle *from, turn *sum)
+static void add_leaf(const svo_i_winding *w, const svo_i_cluster *node, const middle *from, turn *sum)
 {
-    const size_t end = svo_i_winding_edges_end(w, node);
+    const size_t end = svo_i_cluster_edges_end(&w->clusters, node);
     uint32_t last = UINT32_MAX;
     seen b = {0.0, 0.0, 0.0};
-    for (size_t i = svo_i_winding_first_edge(w, node); i < end; ++i) {
-        const svo_i_boundary_edge *edge = &w->boundary.edges[i];
-        const seen a = edge->from == last ? b : see_point(&w->boundary.points[edge->from], from);
-        b = see_point(&w->boundary.points[edge->to], from);
+    for (size_t i = svo_i_cluster_first_edge(&w->clusters, node); i < end; ++i) {
+        const svo_i_boundary_edge *edge = &w->clusters.boundary.edges[i];
+        const seen a = edge->from == last ? b : see_point(&w->clusters.boundary.points[edge->from], from);
+        b = see_point(&w->clusters.boundary.points[edge->to], from);
         last = edge->to;
         add_edge(w, edge, &a, &b, from, sum);
     }
 }
 
 /* Adds the walls below a star, or below the chord of a path. to: the center. */
-static void add_star(const svo_i_winding *w, const svo_i_winding_node *node, const double to[3], const middle *from,
+static void add_star(const svo_i_winding *w, const svo_i_cluster *node, const double to[3], const middle *from,
                      turn *sum)
 {
-    const svo_i_winding_star *star = &w->stars[node->star_first];
+    const svo_i_cluster_star *star = &w->clusters.stars[node->star_first];
     if (node->is_path) {
-        const seen a = see_point(&w->boundary.points[star[0].point], from);
-        const seen b = see_point(&w->boundary.points[star[1].point], from);
+        const seen a = see_point(&w->clusters.boundary.points[star[0].point], from);
+        const seen b = see_point(&w->clusters.boundary.points[star[1].point], from);
         add_angle(&a, &b, 2, star[1].times, sum);
         return;
     }
     const seen center = see(to);
     for (size_t i = 0; i < node->star_count; ++i) {
-        const seen point = see_point(&w->boundary.points[star[i].point], from);
+        const seen point = see_point(&w->clusters.boundary.points[star[i].point], from);
         add_angle(&center, &point, 2, star[i].times, sum);
     }
 }
 
 /* Adds a cluster by what stands for it, where that is not off by more. Returns whether it did. */
-static bool add_far(const svo_i_winding *w, const svo_i_winding_node *node, const middle *from, double tolerance,
-                    turn *sum)
+static bool add_far(const svo_i_winding *w, const svo_i_cluster *node, const middle *from, double tolerance, turn *sum)
 {
     const double to[3] = {node->center[0] - from->at[0], node->center[1] - from->at[1], node->center[2] - from->at[2]};
-    const double distance = sqrt(svo_i_winding_dot(to, to));
+    const double distance = sqrt(svo_i_cluster_dot(to, to));
     const double gap = distance * (1.0 - 0x1p-30) - node->radius;
     const double cube = gap * gap * gap;
     const bool is_above = to[2] + node->radius > 0.0 && to[0] * to[0] + to[1] * to[1] <= node->radius * node->radius;
@@ -262,7 +260,7 @@ static bool add_far(const svo_i_winding *w, const svo_i_winding_node *node, cons
         return false;
     }
     add_star(w, node, to, from, sum);
-    sum->angle -= 0.5 * svo_i_winding_dot(node->dipole, to) / (distance * distance * distance);
+    sum->angle -= 0.5 * svo_i_cluster_dot(node->dipole, to) / (distance * distance * distance);
     sum->error += off / cube + 0x1p-40 * node->area / (distance * distance);
     return true;
 }
@@ -271,7 +269,7 @@ static bool add_far(const svo_i_winding *w, const svo_i_winding_node *node, cons
 static void add_walls(const svo_i_winding *w, size_t first, size_t end, const middle *from, double tolerance, turn *sum)
 {
     for (size_t i = first; i < end;) {
-        const svo_i_winding_node *node = &w->nodes[i];
+        const svo_i_cluster *node = &w->clusters.nodes[i];
         if (tolerance > 0.0 && add_far(w, node, from, tolerance, sum)) {
             i = node->end;
         } else {
@@ -294,11 +292,11 @@ typedef enum box_use {
 
 /* Adds a cluster to the sum of a box, if no wall of it passes through the box, and what stands for it is not off by
    more anywhere in there. */
-static box_use use_in_box(const svo_i_winding_node *node, svo_i_winding_box *box)
+static box_use use_in_box(const svo_i_cluster *node, svo_i_winding_box *box)
 {
     const double to[3] = {node->center[0] - box->center[0], node->center[1] - box->center[1],
                           node->center[2] - box->center[2]};
-    const double square = svo_i_winding_dot(to, to);
+    const double square = svo_i_cluster_dot(to, to);
     const double distance = sqrt(square);
     const double reach = HALF_DIAGONAL * box->width;
     const double gap = distance * (1.0 - 0x1p-30) - node->radius - reach;
@@ -314,7 +312,7 @@ static box_use use_in_box(const svo_i_winding_node *node, svo_i_winding_box *box
     if (node->star_count > 0 || off > BOX_TOLERANCE * cube) {
         return BOX_LISTED; /* it is far away from each voxel */
     }
-    const double along = svo_i_winding_dot(node->dipole, to);
+    const double along = svo_i_cluster_dot(node->dipole, to);
     const double scale = 0.5 / (square * distance);
     box->angle -= scale * along;
     for (size_t k = 0; k < 3; ++k) {
@@ -344,9 +342,9 @@ static void make_box(svo_i_winding *w, uint32_t level, uint64_t code)
         box->error += 0x1p-50 * (fabs(step) + fabs(box->angle));
     }
     for (size_t item = above->first; item < above->end; ++item) {
-        const size_t end = w->nodes[w->near[item]].end;
+        const size_t end = w->clusters.nodes[w->near[item]].end;
         for (size_t i = w->near[item]; i < end;) {
-            const svo_i_winding_node *node = &w->nodes[i];
+            const svo_i_cluster *node = &w->clusters.nodes[i];
             const box_use use = use_in_box(node, box);
             if (use == BOX_LISTED) {
                 w->near[box->end++] = (uint32_t)i;
@@ -361,7 +359,7 @@ static void make_box(svo_i_winding *w, uint32_t level, uint64_t code)
 static bool make_boxes(const svo_i_memory *memory, svo_i_winding *w, uint32_t depth)
 {
     w->boxes = svo_i_alloc_zeroed(memory, depth, sizeof *w->boxes);
-    w->near = svo_i_alloc_zeroed(memory, depth * (w->boundary.piece_count + 1), sizeof *w->near);
+    w->near = svo_i_alloc_zeroed(memory, depth * (w->clusters.boundary.piece_count + 1), sizeof *w->near);
     if (w->boxes == NULL || w->near == NULL) {
         return false;
     }
@@ -370,9 +368,9 @@ static bool make_boxes(const svo_i_memory *memory, svo_i_winding *w, uint32_t de
     for (size_t k = 0; k < 3; ++k) {
         root->center[k] = w->grid.corner[k] + 0.5 * root->width;
     }
-    for (size_t i = 0; i < w->node_count; i = w->nodes[i].end) {
+    for (size_t i = 0; i < w->clusters.node_count; i = w->clusters.nodes[i].end) {
         w->near[root->end++] = (uint32_t)i;
-        root->piece_count += w->nodes[i].count;
+        root->piece_count += w->clusters.nodes[i].count;
     }
     return true;
 }
@@ -401,7 +399,7 @@ static turn add_box(const svo_i_winding *w, const middle *from, double tolerance
     }
     for (size_t item = box->first; item < box->end; ++item) {
         const size_t i = w->near[item];
-        add_walls(w, i, w->nodes[i].end, from, tolerance, &sum);
+        add_walls(w, i, w->clusters.nodes[i].end, from, tolerance, &sum);
     }
     return sum;
 }
@@ -444,9 +442,9 @@ svo_status svo_i_winding_of_tree(svo_i_device_work *work, const svo_tree *tree, 
     *out = (svo_i_winding){.grid = mesh.grid};
     svo_status status = read_mesh(work, tree, positions, &mesh, &indices, &held);
     if (status == SVO_OK) {
-        status = svo_i_boundary_find(&tree->device->memory, &mesh, &out->boundary);
+        status = svo_i_boundary_find(&tree->device->memory, &mesh, &out->clusters.boundary);
     }
-    if (status == SVO_OK && (!svo_i_winding_make_clusters(&tree->device->memory, out) ||
+    if (status == SVO_OK && (!svo_i_clusters_make(&tree->device->memory, &out->clusters) ||
                              !make_boxes(&tree->device->memory, out, tree->info.depth))) {
         status = SVO_OUT_OF_HOST_MEMORY;
     }
@@ -460,13 +458,9 @@ svo_status svo_i_winding_of_tree(svo_i_device_work *work, const svo_tree *tree, 
 
 void svo_i_winding_release(svo_i_winding *winding)
 {
-    svo_i_boundary_release(&winding->boundary);
-    svo_i_free(winding->nodes);
-    svo_i_free(winding->stars);
+    svo_i_clusters_release(&winding->clusters);
     svo_i_free(winding->boxes);
     svo_i_free(winding->near);
-    winding->nodes = NULL;
-    winding->stars = NULL;
     winding->boxes = NULL;
     winding->near = NULL;
 }
@@ -490,7 +484,7 @@ svo_i_winding_side svo_i_winding_at(const svo_i_winding *winding, const uint32_t
         if (pass < BOX_PASSES) {
             sum = add_box(winding, &from, tolerances[pass]);
         } else {
-            add_walls(winding, 0, winding->node_count, &from, tolerances[pass], &sum);
+            add_walls(winding, 0, winding->clusters.node_count, &from, tolerances[pass], &sum);
         }
         const double angle = angle_of_turn(&sum);
         const double over = (crossings - 0.5) - angle / (2.0 * PI);

@@ -5,7 +5,7 @@
 
 #include "core/tree.h"
 #include "core/work.h"
-#include "solid/boundary.h"
+#include "solid/clusters.h"
 
 /* The cube of a node, with what is far from all of it as one linear function. */
 typedef struct svo_i_winding_box {
@@ -19,11 +19,8 @@ typedef struct svo_i_winding_box {
 
 /* Made by svo_i_winding_of_tree. All owned. */
 typedef struct svo_i_winding {
-    svo_i_boundary boundary;
+    svo_i_clusters clusters; /* of the boundary */
     svo_decide_params grid;
-    struct svo_i_winding_node *nodes; /* over the pieces of the boundary, each before its children */
-    struct svo_i_winding_star *stars;
-    size_t node_count, star_count;
     svo_i_winding_box *boxes; /* by level, from the root to the node that was entered */
     uint32_t *near; /* box by box: clusters */
     uint32_t box_level; /* of the node that was entered */
