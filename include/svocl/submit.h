@@ -38,7 +38,8 @@ typedef struct svo_submit {
 typedef struct svo_array {
     /** Host memory. It is read or written until the call returns, which waits for that; after a failure what a call
      *  writes is undefined. On CPUs kernels use it where it is, without a copy, if it is aligned to 16 bytes and, where
-     *  it is written, has no byte of what is read. NULL: the array is in buffer */
+     *  it is written, is written whole (bands of pictures are not) and has no byte of what is read. NULL: the array is
+     *  in buffer */
     void *host;
     /** Of the context of the call's device, from its first byte on; a sub-buffer serves as well. What a call writes is
      *  not CL_MEM_READ_ONLY. Unused with host */
