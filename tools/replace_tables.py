@@ -41,10 +41,10 @@ def main():
     given = parser.parse_args()
     old = load(given.old)
     documents = [load(path) for path in given.new]
-    for document in documents:
-        for fact, value in document["machine"].items():
-            if fact != "date" and old["machine"].get(fact) != value:
-                print(f"another machine: {fact} is {value}, was {old['machine'].get(fact)}")
+    facts = {fact: None for document in documents for fact in document["machine"].items() if fact[0] != "date"}
+    for fact, value in facts:
+        if old["machine"].get(fact) != value:
+            print(f"another machine: {fact} is {value}, was {old['machine'].get(fact)}")
     place = len(old["tables"])
     for table in join(documents, given.tables).values():
         known = [i for i, other in enumerate(old["tables"]) if other["id"] == table["id"]]
