@@ -45,6 +45,7 @@ listed_variants()
     printf 'kernels/compact/unpack.cl\tPACKED\n'
     names='COLOR NORMAL PACKED_COLOR PACKED_NORMAL READ_SHARED HAS_BASES'
     printf '%s\n' kernels/rays/{render,view}.cl$'\t'"$names"{,' CAST_TILES'}
+    printf '%s\n' kernels/scene/{render,see}.cl$'\tPACKED READ_SHARED HAS_BASES'{,' CLEAR_NODES',' RAY_STREAMS'}
     # Pictures of scenes are of voxels.
     printf 'kernels/scene/trace.cl\t%s\n' SCENE_TRIANGLES 'SCENE_TRIANGLES RAY_STREAMS' 'RAY_STREAMS LANES_APART'
     # What of a scene shows in part.

@@ -247,8 +247,8 @@ typedef struct svo_pack_options {
 
 /** Makes a compact tree with packed payload of another one, on the host, and waits. Arrays that are constant, packed
  *  already, or would not get smaller are those of the other; on a device the two then have one buffer. Packed arrays
- *  are the same bytes on every machine. Pictures have the bytes that the expanded tree's have. A scene does not take a
- *  compact tree with packed colors or normals that it needs.
+ *  are the same bytes on every machine. Pictures have the bytes that the expanded tree's have, and so have those of
+ *  scenes.
  *
  * \param compact on a device, or else with host arrays; it stays as it is
  * \param options NULL means all defaults

@@ -41,7 +41,7 @@ typedef struct svo_scene_options {
     size_t struct_size; /**< sizeof(svo_scene_options) */
     svo_tree *const *trees; /**< tree_count trees on the scene's device; the scene copies what it needs of them */
     /** In place of trees, which is then NULL: compact trees, all of one form, made with the same directory_step_log2,
-     *  and either all or none with payload that differs between nodes. */
+     *  and either all or none with payload that differs between nodes, packed or not. */
     svo_compact *const *compacts;
     const svo_instance *instances; /**< instance_count */
     uint32_t tree_count; /**< 1 .. SVO_SCENE_TREES_MAX */

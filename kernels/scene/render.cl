@@ -2,7 +2,8 @@
 /*
  * Pictures of a scene: rays through its voxels (scene.clh), Lambert shading by lights from given directions, with
  * shadows, and by a sky that neighbors darken. The light and the tone curve are those of kernels/rays/render.cl. So is
- * how what shows in part is seen, with -DSVO_CLEAR_NODES, for scenes that have some.
+ * how what shows in part is seen, with -DSVO_CLEAR_NODES, for scenes that have some. -DSVO_PACKED: some tree has
+ * packed payload, which is read where it is.
  *
  * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, in bands of tiles by
  * its offset. Reads the scene, its colors and normals as far as its trees have them, and the lights; writes one
@@ -62,6 +63,18 @@ static svo_ray svo_scene_clip(const svo_scene_view *view, float3 origin, float3 
     return ray;
 }
 
+/* That a tree stores for a node. */
+static float3 svo_scene_own_normal(const svo_scene_view *view, __global const svo_scene_tree *tree, uint node)
+{
+#ifdef SVO_PACKED
+    if ((tree->flags & SVO_SCENE_TREE_PACKED_NORMALS) != 0u) {
+        return svo_unpack_normal(view->normals + 3u * (size_t)tree->normal_begin, node) / 32767.0f;
+    }
+#endif
+    const uint index = (tree->flags & SVO_SCENE_TREE_ONE_NORMAL) != 0u ? 0u : node;
+    return convert_float3(vload3((size_t)tree->normal_begin + index, view->normals)) / 32767.0f;
+}
+
 /* The voxel's normal where it has one of some length, else its face's, as kernels/rays/render.cl chooses it. */
 static float3 svo_scene_shading_normal(const svo_scene_view *view, __global const svo_scene_instance *instance,
                                        const svo_voxel_hit *hit, float3 direction)
@@ -69,8 +82,7 @@ static float3 svo_scene_shading_normal(const svo_scene_view *view, __global cons
     __global const svo_scene_tree *tree = view->scene.trees + instance->tree;
     float3 normal = svo_scene_face_normal(instance, hit->face);
     if ((tree->flags & SVO_SCENE_TREE_NORMALS) != 0u) {
-        const uint index = (tree->flags & SVO_SCENE_TREE_ONE_NORMAL) != 0u ? 0u : hit->node;
-        const float3 own = convert_float3(vload3((size_t)tree->normal_begin + index, view->normals)) / 32767.0f;
+        const float3 own = svo_scene_own_normal(view, tree, hit->node);
         normal = dot(own, own) > 0.04f ? svo_scene_normal(instance, own) : normal;
     }
     return dot(normal, normal) == 0.0f ? -direction : svo_shade_facing(normal, direction);
@@ -82,6 +94,11 @@ static float3 svo_scene_color(const svo_scene_view *view, uint tree_index, uint 
     if ((tree->flags & SVO_SCENE_TREE_COLORS) == 0u) {
         return (float3)(SVO_SHADE_CLAY);
     }
+#ifdef SVO_PACKED
+    if ((tree->flags & SVO_SCENE_TREE_PACKED_COLORS) != 0u) {
+        return svo_shade_decode(svo_unpack_color(view->colors + 4u * (size_t)tree->color_begin, node));
+    }
+#endif
     const uint index = (tree->flags & SVO_SCENE_TREE_ONE_COLOR) != 0u ? 0u : node;
     return svo_shade_decode(vload4((size_t)tree->color_begin + index, view->colors));
 }

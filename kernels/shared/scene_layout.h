@@ -29,6 +29,9 @@ SVO_RECORD(svo_scene_tree)
 #define SVO_SCENE_TREE_NORMALS    4u
 #define SVO_SCENE_TREE_ONE_NORMAL 8u
 #define SVO_SCENE_TREE_CLEAR      16u /* it has colors, and some node shows in part */
+/* With -DSVO_PACKED: the array is packed (packed.clh), and its words begin there. */
+#define SVO_SCENE_TREE_PACKED_COLORS  32u
+#define SVO_SCENE_TREE_PACKED_NORMALS 64u
 
 /* An instance: M is the linear part of its matrix. 152 bytes. */
 SVO_RECORD(svo_scene_instance)

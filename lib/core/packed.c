@@ -26,6 +26,11 @@ void svo_i_packed_errors(const uint32_t *words, svo_compact_buffer buffer, svo_c
     info->mean_error[k] = words[1] > 0 ? (double)sum / (double)((uint64_t)words[1] * components) : 0.0;
 }
 
+bool svo_i_packed_is_opaque(const uint32_t words[SVO_I_PACKED_ALPHA_WORDS])
+{
+    return svo_packed_channels(words[0]) == 3 && words[3] == 255;
+}
+
 void svo_i_packed_read(const uint32_t *words, svo_compact_buffer buffer, uint64_t first, uint64_t count, void *out)
 {
     const uint32_t halves = buffer == SVO_COMPACT_COLORS ? 2 : buffer == SVO_COMPACT_NORMALS ? 3 : 1;

@@ -22,4 +22,8 @@ void svo_i_packed_read(const uint32_t *words, svo_compact_buffer buffer, uint64_
 
 SVO_I_SHARED_END
 
+/* Whether every color's alpha is 255, by an array's first words. */
+#define SVO_I_PACKED_ALPHA_WORDS 4
+bool svo_i_packed_is_opaque(const uint32_t words[SVO_I_PACKED_ALPHA_WORDS]);
+
 #endif

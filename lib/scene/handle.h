@@ -62,6 +62,7 @@ struct svo_scene {
     svo_device *device;
     const char *form; /* the options that select how nodes are read; static */
     bool is_clear; /* some tree shows in part */
+    bool is_packed; /* some tree has packed colors or normals */
     cl_uint node_buffers; /* 2 or SVO_I_SCENE_NODE_BUFFERS: the arrays that the form has */
     svo_scene_info info; /* low and high are kept up to date */
     cl_mem buffers[SVO_I_SCENE_BUFFERS]; /* owned; NULL where the scene needs none */

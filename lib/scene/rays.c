@@ -130,11 +130,12 @@ static svo_status trace_triangles(void *scene, const svo_array *rays, const svo_
 
 /* ---- rays by alpha ---- */
 
-/* Options of kernels that see what shows in part. */
+/* Options of kernels that see what shows in part, and read payload. */
 static void write_seeing_options(const svo_scene *scene, char defines[SVO_I_PROGRAM_DEFINES_BYTES])
 {
-    (void)snprintf(defines, SVO_I_PROGRAM_DEFINES_BYTES, "%s%s%s", scene->form,
-                   scene->is_clear ? " -DSVO_CLEAR_NODES" : "", scene->device->cpu_path ? " -DSVO_RAY_STREAMS" : "");
+    (void)snprintf(defines, SVO_I_PROGRAM_DEFINES_BYTES, "%s%s%s%s", scene->form,
+                   scene->is_clear ? " -DSVO_CLEAR_NODES" : "", scene->is_packed ? " -DSVO_PACKED" : "",
+                   scene->device->cpu_path ? " -DSVO_RAY_STREAMS" : "");
 }
 
 svo_status svo_i_scene_see(const svo_scene *scene, svo_i_device_work *work, cl_mem rays, cl_mem hits,

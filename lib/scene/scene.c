@@ -318,6 +318,7 @@ static svo_status make(svo_scene *scene, const char *function, const svo_scene_o
     svo_i_hierarchy_plan(scene->device, options->instance_count, arena->bytes);
     scene->info = describe(options, arena->bytes);
     scene->form = arena->sources[0].form;
+    scene->is_packed = arena->is_packed;
     scene->node_buffers = options->compacts != NULL ? SVO_I_SCENE_NODE_BUFFERS : 2;
     SVO_I_TRY(svo_i_device_queue(scene->device, function, queue, &queue));
     SVO_I_TRY(allocate_host(scene, function));

@@ -10,6 +10,7 @@
 
 #include "compact/form.h"
 #include "core/compact.h"
+#include "core/packed.h"
 #include "core/staging.h"
 #include "core/tree.h"
 #include "rays/rays.h"
@@ -105,12 +106,6 @@ static svo_status check_compact(svo_device *device, const char *function, const 
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: compacts[%u] has no triangles for SVO_NEED_RAYS",
                                  function, index);
     }
-    const uint32_t packed = compact->info.packed & options->need & ((uint32_t)SVO_NEED_COLOR | SVO_NEED_NORMAL);
-    if (packed != 0) {
-        return svo_i_device_fail(device, SVO_UNSUPPORTED,
-                                 "%s: compacts[%u] has packed %s, and scenes read them unpacked", function, index,
-                                 (packed & SVO_NEED_COLOR) != 0 ? "colors" : "normals");
-    }
     /* The options select the kernels of the whole scene. */
     const svo_compact *first = options->compacts[0];
     return strcmp(svo_i_form_defines(&compact->info), svo_i_form_defines(&first->info)) == 0
@@ -153,6 +148,8 @@ static svo_status describe_compact(svo_device *device, const char *function, con
         .normals = compact_payload(compact, SVO_COMPACT_NORMALS, options->need & SVO_NEED_NORMAL),
         .one_color = svo_i_compact_is_constant(info, SVO_COMPACT_COLORS),
         .one_normal = svo_i_compact_is_constant(info, SVO_COMPACT_NORMALS),
+        .packed_colors = svo_i_compact_is_packed(info, SVO_COMPACT_COLORS),
+        .packed_normals = svo_i_compact_is_packed(info, SVO_COMPACT_NORMALS),
         .empty = info->leaf_count == 0,
         .origin = {info->origin[0], info->origin[1], info->origin[2]},
         .width = grid_width(info->snap_bits, info->scale)};
@@ -184,15 +181,26 @@ static array_layout layout_of_nodes(const svo_i_scene_source *source, int k)
 }
 
 static const array_layout layout_of_colors = {SVO_I_SCENE_COLORS, 4, 4};
-static const array_layout layout_of_normals = {SVO_I_SCENE_NORMALS, 6, 6};
+/* Packed ones begin with a whole word. */
+static array_layout layout_of_normals(const svo_i_scene_source *source)
+{
+    return (array_layout){SVO_I_SCENE_NORMALS, 6, source->packed_normals ? 12 : 6};
+}
+
 static const array_layout layout_of_ray_nodes = {SVO_I_SCENE_RAY_NODES, sizeof(svo_ray_node), sizeof(svo_ray_node)};
 static const array_layout layout_of_ray_leaves = {SVO_I_SCENE_RAY_LEAVES, 16, 16};
+
+static uint64_t round_up(uint64_t bytes, uint32_t to)
+{
+    return (bytes + to - 1) / to * to;
+}
 
 /* Lays an array out behind those of the trees before. */
 static svo_status append(svo_i_arena *arena, svo_device *device, const char *function, array_layout layout,
                          svo_i_source_array array, SVO_U32 *begin)
 {
-    const uint64_t at = arena->bytes[layout.buffer] / layout.unit_bytes;
+    const uint64_t begin_bytes = round_up(arena->bytes[layout.buffer], layout.alignment_bytes);
+    const uint64_t at = begin_bytes / layout.unit_bytes;
     if (array.buffer == NULL) {
         return SVO_OK;
     }
@@ -201,8 +209,7 @@ static svo_status append(svo_i_arena *arena, svo_device *device, const char *fun
                                  UINT32_MAX);
     }
     *begin = (uint32_t)at;
-    arena->bytes[layout.buffer] +=
-        (array.bytes + layout.alignment_bytes - 1) / layout.alignment_bytes * layout.alignment_bytes;
+    arena->bytes[layout.buffer] = begin_bytes + round_up(array.bytes, layout.alignment_bytes);
     return SVO_OK;
 }
 
@@ -217,9 +224,13 @@ static svo_status place_tree(svo_i_arena *arena, svo_device *device, const char 
     place->flags = (source->colors.buffer != NULL ? SVO_SCENE_TREE_COLORS : 0) |
                    (source->one_color ? SVO_SCENE_TREE_ONE_COLOR : 0) |
                    (source->normals.buffer != NULL ? SVO_SCENE_TREE_NORMALS : 0) |
-                   (source->one_normal ? SVO_SCENE_TREE_ONE_NORMAL : 0);
+                   (source->one_normal ? SVO_SCENE_TREE_ONE_NORMAL : 0) |
+                   (source->colors.buffer != NULL && source->packed_colors ? SVO_SCENE_TREE_PACKED_COLORS : 0) |
+                   (source->normals.buffer != NULL && source->packed_normals ? SVO_SCENE_TREE_PACKED_NORMALS : 0);
+    arena->is_packed =
+        arena->is_packed || (place->flags & (SVO_SCENE_TREE_PACKED_COLORS | SVO_SCENE_TREE_PACKED_NORMALS)) != 0;
     SVO_I_TRY(append(arena, device, function, layout_of_colors, source->colors, &place->color_begin));
-    SVO_I_TRY(append(arena, device, function, layout_of_normals, source->normals, &place->normal_begin));
+    SVO_I_TRY(append(arena, device, function, layout_of_normals(source), source->normals, &place->normal_begin));
     SVO_I_TRY(append(arena, device, function, layout_of_ray_nodes, source->ray_nodes, &place->node_begin));
     return append(arena, device, function, layout_of_ray_leaves, source->ray_leaves, &place->leaf_begin);
 }
@@ -375,7 +386,7 @@ static svo_status copy_tree(const svo_i_scene_source *source, const svo_scene_tr
         SVO_I_TRY(copy(scene, function, queue, source->nodes[k], layout_of_nodes(source, k), place->begin[k]));
     }
     SVO_I_TRY(copy(scene, function, queue, source->colors, layout_of_colors, place->color_begin));
-    SVO_I_TRY(copy(scene, function, queue, source->normals, layout_of_normals, place->normal_begin));
+    SVO_I_TRY(copy(scene, function, queue, source->normals, layout_of_normals(source), place->normal_begin));
     SVO_I_TRY(copy(scene, function, queue, source->ray_nodes, layout_of_ray_nodes, place->node_begin));
     return copy(scene, function, queue, source->ray_leaves, layout_of_ray_leaves, place->leaf_begin);
 }
@@ -404,23 +415,33 @@ static svo_status copy_trees(const svo_i_arena *arena, const svo_scene *scene, c
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(scene->device, function, "clFinish", error);
 }
 
-/* Marks the trees that show in part: the root, which is the first, has the mean of all alpha. */
+/* Whether all of a tree's nodes show, by the first words of its colors. Of plain ones the root's is the first, which
+   has the mean of all alpha. */
+static bool is_opaque(const svo_scene_tree *place, const uint32_t words[SVO_I_PACKED_ALPHA_WORDS])
+{
+    return (place->flags & SVO_SCENE_TREE_PACKED_COLORS) != 0 ? svo_i_packed_is_opaque(words)
+                                                              : ((const uint8_t *)words)[3] == 255;
+}
+
+/* Marks the trees that show in part. */
 static svo_status mark_clear(const svo_i_arena *arena, svo_scene *scene, const char *function, cl_command_queue queue)
 {
     for (uint32_t i = 0; i < arena->tree_count; ++i) {
         svo_scene_tree *place = &arena->places[i];
-        uint8_t root[4] = {0};
+        uint32_t words[SVO_I_PACKED_ALPHA_WORDS] = {0};
+        const bool is_packed = (place->flags & SVO_SCENE_TREE_PACKED_COLORS) != 0;
         if ((place->flags & SVO_SCENE_TREE_COLORS) == 0 || arena->sources[i].colors.bytes == 0) {
             continue;
         }
-        const cl_int error =
-            clEnqueueReadBuffer(queue, scene->buffers[SVO_I_SCENE_COLORS], CL_TRUE,
-                                (size_t)place->color_begin * sizeof root, sizeof root, root, 0, NULL, NULL);
+        const cl_int error = clEnqueueReadBuffer(queue, scene->buffers[SVO_I_SCENE_COLORS], CL_TRUE,
+                                                 (size_t)place->color_begin * sizeof *words,
+                                                 is_packed ? sizeof words : sizeof *words, words, 0, NULL, NULL);
         if (error != CL_SUCCESS) {
             return svo_i_device_fail_cl(scene->device, function, "clEnqueueReadBuffer", error);
         }
-        place->flags |= root[3] != 255 ? SVO_SCENE_TREE_CLEAR : 0;
-        scene->is_clear = scene->is_clear || root[3] != 255;
+        const bool is_clear = !is_opaque(place, words);
+        place->flags |= is_clear ? SVO_SCENE_TREE_CLEAR : 0;
+        scene->is_clear = scene->is_clear || is_clear;
     }
     return SVO_OK;
 }

@@ -16,7 +16,7 @@ typedef struct svo_i_scene_source {
     const char *form; /* the options that select the reader of its nodes; "" for a built tree */
     svo_i_source_array nodes[3]; /* what SVO_NODES_PARAMETERS declares */
     svo_i_source_array colors, normals; /* as far as the scene takes them: of all nodes, or one for all */
-    bool one_color, one_normal;
+    bool one_color, one_normal, packed_colors, packed_normals;
     svo_i_source_array ray_nodes, ray_leaves; /* with SVO_NEED_RAYS */
     bool empty; /* without leaves */
     double origin[3], width; /* of the grid, world */
@@ -29,6 +29,7 @@ typedef struct svo_i_arena {
     svo_scene_tree *places;
     svo_ray_params *params;
     uint64_t bytes[SVO_I_SCENE_BUFFERS]; /* of the trees' buffers; 0 elsewhere */
+    bool is_packed; /* some tree has packed payload */
 } svo_i_arena;
 
 /* Checks the trees and lays them out. The caller frees *out in either case. */

@@ -769,6 +769,17 @@ static void commits_can_be_stopped(void **state)
 
 enum { PICTURE_WIDTH = 96, PICTURE_HEIGHT = 64, PICTURE_BYTES = PICTURE_WIDTH * PICTURE_HEIGHT * 4 };
 
+/* Where the pictures of a tree are seen from. away: the distance, as a multiple of the fitted one. */
+static svo_camera camera_of(svo_tree *tree, float away)
+{
+    svo_camera camera = {.eye = {1.0F, 0.7F, 1.5F}};
+    assert_int_equal(svo_camera_fit(svo_tree_target(tree), 1.5F, &camera), SVO_OK);
+    for (int axis = 0; axis < 3; ++axis) {
+        camera.eye[axis] = camera.target[axis] + (camera.eye[axis] - camera.target[axis]) * away;
+    }
+    return camera;
+}
+
 static void draw(const fixture *opened, svo_target target, const svo_camera *camera, uint8_t *rgba)
 {
     svo_render_options options = SVO_RENDER_OPTIONS_INIT;
@@ -784,17 +795,10 @@ static double difference_of_pictures(const fixture *opened, const svo_edit *edit
 {
     static uint8_t pictures[2][PICTURE_BYTES];
     svo_tree *tree = NULL;
-    svo_camera camera = {.vertical_fov = 0.0F};
     uint64_t sum = 0;
     succeed(opened, svo_edit_commit(edit, opened->device, 0, NULL, opened->queue, &tree, NULL));
     succeed(opened, svo_edit_mirror_update(mirror, opened->queue));
-    camera.eye[0] = 1.0F;
-    camera.eye[1] = 0.7F;
-    camera.eye[2] = 1.5F;
-    assert_int_equal(svo_camera_fit(svo_tree_target(tree), 1.5F, &camera), SVO_OK);
-    for (int axis = 0; axis < 3; ++axis) {
-        camera.eye[axis] = camera.target[axis] + (camera.eye[axis] - camera.target[axis]) * away;
-    }
+    const svo_camera camera = camera_of(tree, away);
     draw(opened, svo_tree_target(tree), &camera, pictures[0]);
     draw(opened, svo_edit_mirror_target(mirror), &camera, pictures[1]);
     svo_tree_destroy(&tree);
@@ -847,6 +851,122 @@ static void mirrors_show_what_is_committed(void **state)
     assert_true(difference_of_pictures(&opened, edit, mirror, 1.0F) == 0.0);
     assert_in_range(written_by(mirror), all_bytes / 2, all_bytes);
     svo_edit_mirror_destroy(&mirror);
+    svo_edit_mirror_destroy(&mirror);
+    svo_edit_destroy(&edit);
+}
+
+/* Opaque voxels, of a few to all in a block of 4 x 4 x 4, whose colors are near each other in a block alone. */
+enum { BLOCKS = 16, BLOCK_RANGE = 40 };
+
+static svo_voxels *list_of_blocks(uint64_t seed)
+{
+    const uint32_t room = BLOCKS * BLOCKS * BLOCKS * 64 / 4;
+    svo_voxel *voxels = allocate(room * sizeof *voxels);
+    uint32_t count = 0;
+    for (uint32_t block = 0; block < BLOCKS * BLOCKS * BLOCKS; ++block) {
+        const bool is_full = block == 0; /* both grids begin at its corner */
+        const uint32_t share = is_full ? 32 : random_below(&seed, 4) == 0 ? 1 + random_below(&seed, 32) : 0;
+        uint32_t base[3];
+        for (int k = 0; k < 3; ++k) {
+            base[k] = random_below(&seed, 256 - BLOCK_RANGE);
+        }
+        for (uint32_t cell = 0; cell < 64 && share > 0; ++cell) {
+            if (count < room && random_below(&seed, 32) < share) {
+                svo_voxel *one = &voxels[count++];
+                one->x = (int32_t)(4 * (block % BLOCKS) + cell % 4);
+                one->y = (int32_t)(4 * (block / BLOCKS % BLOCKS) + cell / 4 % 4);
+                one->z = (int32_t)(4 * (block / BLOCKS / BLOCKS) + cell / 16);
+                for (int k = 0; k < 3; ++k) {
+                    one->rgba[k] = (uint8_t)(base[k] + random_below(&seed, BLOCK_RANGE + 1));
+                }
+                one->rgba[3] = 255;
+            }
+        }
+    }
+    svo_voxels *made = make_list(voxels, count);
+    free(voxels);
+    return made;
+}
+
+typedef float numbers[PICTURE_WIDTH * PICTURE_HEIGHT][4];
+
+/* One ray for each pixel, as numbers; nothing where it meets nothing. */
+static void draw_numbers(const fixture *opened, svo_target target, const svo_camera *camera, svo_render_view view,
+                         numbers pixels)
+{
+    svo_render_options options = SVO_RENDER_OPTIONS_INIT;
+    options.camera = *camera;
+    options.width = PICTURE_WIDTH;
+    options.height = PICTURE_HEIGHT;
+    options.view = view;
+    options.output.format = SVO_PIXELS_LINEAR;
+    options.output.background = SVO_BACKGROUND_TRANSPARENT;
+    options.output.samples = 1;
+    succeed(opened, svo_render(target, &options, svo_in_host(pixels), NULL));
+}
+
+/* The most that a color of a mirror's node of 2^up voxels along each axis may differ from the tree's (docs/edit.md). */
+static int most_of_level(int up)
+{
+    return up == 0 ? 0 : up == 1 ? BLOCK_RANGE : (up - 1) / 2;
+}
+
+/* A pixel is light times the square of color / 255, and a white node shows the light. Returns whether they differ. */
+static bool check_pixel(const float *of_tree, const float *of_mirror, const float *white, int up)
+{
+    const float most = (float)most_of_level(up) / 255.0F;
+    bool differs = false;
+    for (int k = 0; k < 3; ++k) {
+        const float difference = fabsf(of_tree[k] - of_mirror[k]);
+        const float limit = white[k] * (2.0F * most - most * most) * 1.0001F;
+        differs = differs || difference > 0.0F;
+        if (!(difference <= limit)) {
+            fail_msg("a node of 2^%d voxels: %g and %g differ by %g, above %g", up, (double)of_tree[k],
+                     (double)of_mirror[k], (double)difference, (double)limit);
+        }
+    }
+    return differs;
+}
+
+/* Blocks have the tree's colors, what is in them that of the block, and each two levels above round by one more. */
+static void nodes_of_mirrors_differ_by_their_level(void **state)
+{
+    static numbers of_tree, of_mirror, white, levels;
+    const fixture opened = fixture_cl_of_group(state);
+    svo_voxels *list = list_of_blocks(3);
+    svo_edit *edit = make_edit(list, NULL);
+    svo_edit_mirror *mirror = NULL;
+    svo_tree *tree = NULL;
+    svo_edit_step paint = SVO_EDIT_STEP_INIT;
+    size_t seen[8] = {0}, differing[8] = {0}; /* pixels by level */
+    svo_voxels_destroy(&list);
+    paint.verb = SVO_EDIT_PAINT;
+    paint.shape = SVO_EDIT_BOX;
+    paint.end[0] = paint.end[1] = paint.end[2] = 4 * BLOCKS;
+    memset(paint.rgba, 255, sizeof paint.rgba);
+    succeed(&opened, svo_edit_mirror_create(opened.device, edit, opened.queue, &mirror));
+    succeed(&opened, svo_edit_commit(edit, opened.device, 0, NULL, opened.queue, &tree, NULL));
+    for (float away = 1.0F; away < 50.0F; away *= 2.0F) {
+        const svo_camera camera = camera_of(tree, away);
+        draw_numbers(&opened, svo_tree_target(tree), &camera, SVO_VIEW_LEVEL, levels);
+        draw_numbers(&opened, svo_tree_target(tree), &camera, SVO_VIEW_SHADED, of_tree);
+        draw_numbers(&opened, svo_edit_mirror_target(mirror), &camera, SVO_VIEW_SHADED, of_mirror);
+        assert_int_equal(svo_edit_apply(edit, &paint, NULL), SVO_OK);
+        succeed(&opened, svo_edit_mirror_update(mirror, opened.queue));
+        draw_numbers(&opened, svo_edit_mirror_target(mirror), &camera, SVO_VIEW_SHADED, white);
+        assert_int_equal(svo_edit_undo(edit), SVO_OK);
+        succeed(&opened, svo_edit_mirror_update(mirror, opened.queue));
+        for (size_t i = 0; i < (size_t)PICTURE_WIDTH * PICTURE_HEIGHT; ++i) {
+            const int up = 6 - (int)levels[i][0]; /* of 64 voxels */
+            assert_true(levels[i][3] == of_tree[i][3] && levels[i][3] == of_mirror[i][3]);
+            if (levels[i][3] > 0.0F) {
+                ++seen[up];
+                differing[up] += check_pixel(of_tree[i], of_mirror[i], white[i], up);
+            }
+        }
+    }
+    assert_true(seen[0] > 0 && seen[2] > 0 && differing[1] > 0 && differing[3] > 0 && seen[5] > 0);
+    svo_tree_destroy(&tree);
     svo_edit_mirror_destroy(&mirror);
     svo_edit_destroy(&edit);
 }
@@ -1018,6 +1138,7 @@ TEST_GROUP(edit)
         cmocka_unit_test(commits_are_builds),
         cmocka_unit_test(commits_can_be_stopped),
         cmocka_unit_test(mirrors_show_what_is_committed),
+        cmocka_unit_test(nodes_of_mirrors_differ_by_their_level),
         cmocka_unit_test(mirrors_have_limits),
         cmocka_unit_test(wrong_steps_are_refused),
         cmocka_unit_test(what_leaves_the_cube_is_refused),

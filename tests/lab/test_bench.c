@@ -128,6 +128,9 @@ static void every_subject_adds_its_tables(void **state)
     expect_positive(table_of(document, "compact-shared"), "per voxel");
     expect_positive(table_of(document, "compact-shared"), "mirrored records");
     expect_positive(table_of(document, "compact-shared"), "mirrored per voxel");
+    expect_spread(table_of(document, "compact-shared"), "mirrored primary ratio");
+    expect_positive(table_of(document, "compact-packed"), "packed");
+    expect_spread(table_of(document, "compact-packed"), "read ratio");
     expect_positive(table_of(document, "e6-leaving-out"), "peak");
     assert_true(row_count_of(table_of(document, "light-stages")) > 3 * 5);
     expect_positive(table_of(document, "light-bytes"), "all");
@@ -602,6 +605,26 @@ static void bad_inputs_fail_before_anything_is_measured(void **state)
     expect_files(kept, 1);
 }
 
+/* At the least depth that holds them, whatever --depths says; and by no subject that needs a mesh. */
+static void voxel_files_are_measured_once(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL convert scene:knot:500 a.vox -d 4 -q");
+    cJSON *document =
+        run_json("$SVOCL bench compact --quick --repeat 1 --scenes a.vox --depths 3,5,6 --ray-count 100 --json");
+    const cJSON *shared = table_of(document, "compact-shared");
+    const cJSON *packed = table_of(document, "compact-packed");
+    assert_int_equal(row_count_of(shared), 1);
+    assert_true(number_in_row(cJSON_GetArrayItem(array_of(shared, "rows"), 0), shared, "depth") == 4.0);
+    assert_int_equal(row_count_of(packed), 3); /* colors, in three ways; voxels have no normals */
+    expect_positive(packed, "zstd -19");
+    cJSON_Delete(document);
+    run_badly("$SVOCL bench voxelize --scenes a.vox", 2, "a.vox holds voxels");
+    run_well("rm a.vox");
+    expect_files(NULL, 0);
+}
+
 TEST_GROUP(bench)
 {
     const struct CMUnitTest tests[] = {
@@ -617,6 +640,7 @@ TEST_GROUP(bench)
         IN_FOLDER(usage_errors_exit_with_code_2),
         IN_FOLDER(unknown_scenes_are_named),
         IN_FOLDER(bad_inputs_fail_before_anything_is_measured),
+        IN_FOLDER(voxel_files_are_measured_once),
         IN_FOLDER(stored_figures_are_those_of_today),
         IN_FOLDER(errors_of_files_are_measured),
         IN_FOLDER(subjects_that_fail_leave_a_reason),

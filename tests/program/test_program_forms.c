@@ -171,7 +171,10 @@ static void parts_are_stitched_to_a_form(void **state)
     run_well("rm m.ply a.svc b.svc");
 }
 
-/* Exactly packed payload gives the same tree and the same picture; another way to pack it begins with what was kept. */
+#define PLACED "\"instances\": [{\"tree\": \"a\"}, {\"tree\": \"b\", \"translate\": [9, 0, 0]}]"
+
+/* Exactly packed payload gives the same tree and the same pictures, by itself and in a scene; another way to pack it
+   begins with what was kept. */
 static void payload_is_packed(void **state)
 {
     (void)state;
@@ -183,6 +186,18 @@ static void payload_is_packed(void **state)
     run_well("$SVOCL info b.svc > out.txt && grep -q 'error at most 0, 0 in the mean' out.txt");
     run_well("$SVOCL render a.svc --size 32x24 -o a.png -q && $SVOCL render b.svc --size 32x24 -o b.png -q");
     run_well("cmp a.png b.png");
+    write_text("s.json",
+               "{\"form\": \"shared\", \"trees\": {\"a\": {\"path\": \"a.svc\"}, \"b\": {\"path\": \"a.svc\"}}, " PLACED
+               "}");
+    write_text("p.json",
+               "{\"form\": \"shared\", \"trees\": {\"a\": {\"path\": \"b.svc\"}, \"b\": {\"path\": \"a.svc\"}}, " PLACED
+               "}");
+    cJSON *plain = run_json("$SVOCL render s.json --size 32x24 -o a.png --json");
+    cJSON *packed = run_json("$SVOCL render p.json --size 32x24 -o b.png --json");
+    assert_true(number_of(packed, "device_bytes") < number_of(plain, "device_bytes"));
+    cJSON_Delete(plain);
+    cJSON_Delete(packed);
+    run_well("cmp a.png b.png && rm s.json p.json");
     run_well("$SVOCL convert b.svc c.svc --tree-form shared --color-error 9 --normal-bits 5 -q");
     run_well("test $(wc -c < c.svc) -lt $(wc -c < b.svc)");
     run_badly("$SVOCL build scene:cube -d 3 --color-error 3", 2, "--color-error requires --tree-form");
@@ -193,8 +208,6 @@ static void payload_is_packed(void **state)
 }
 
 /* ---- scenes ---- */
-
-#define PLACED "\"instances\": [{\"tree\": \"a\"}, {\"tree\": \"b\", \"translate\": [9, 0, 0]}]"
 
 static void scenes_take_voxels_and_forms(void **state)
 {

@@ -160,11 +160,21 @@ static int compact_input_expand(program *state, const char *name, svo_compact **
 
 #define PATH_BYTES 4096
 
-double input_now_ms(void)
+static double clock_ms(clockid_t clock)
 {
     struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
+    clock_gettime(clock, &now);
     return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
+}
+
+double input_now_ms(void)
+{
+    return clock_ms(CLOCK_MONOTONIC);
+}
+
+double input_cpu_ms(void)
+{
+    return clock_ms(CLOCK_PROCESS_CPUTIME_ID);
 }
 
 int input_begin(program *state)

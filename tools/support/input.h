@@ -89,5 +89,7 @@ int input_measure(program *state, uint64_t *byte_count);
 
 /* Milliseconds of a monotonic clock. */
 double input_now_ms(void);
+/* Milliseconds of the process on all processors, which others that use the machine change little. */
+double input_cpu_ms(void);
 
 #endif

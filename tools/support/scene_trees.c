@@ -79,8 +79,8 @@ static svo_compact_options compact_options(const scene_trees *work)
     return tree_form_options(&given);
 }
 
-/* A file of the scene's form is used as it is: it may be minimized, or a solid. For another one, or one with packed
-   payload, nothing is loaded. */
+/* A file of the scene's form is used as it is: it may be minimized, a solid, or packed. For another one nothing is
+   loaded. */
 static int load_compact(scene_trees *work, size_t index)
 {
     svo_compact **out = &work->compacts[index];
@@ -89,7 +89,7 @@ static int load_compact(scene_trees *work, size_t index)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    if (!tree_form_fits(*out, &asked) || !tree_form_is_plain(*out)) {
+    if (!tree_form_fits(*out, &asked)) {
         svo_compact_destroy(out);
         return PROGRAM_DONE;
     }

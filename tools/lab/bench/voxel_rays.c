@@ -54,13 +54,6 @@ typedef struct voxel_bench {
     uint64_t wrong[TRACER_COUNT];
 } voxel_bench;
 
-static double cpu_ms(void)
-{
-    struct timespec now = {.tv_sec = 0};
-    (void)clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
-}
-
 /* ---- what is traced ---- */
 
 static svo_status build(voxel_bench *b)
@@ -159,7 +152,7 @@ static bool trace_svocl(voxel_bench *b)
 /* Traces once; CPU milliseconds, below 0 on failure. */
 static double trace(voxel_bench *b, tracer by)
 {
-    const double start_ms = cpu_ms();
+    const double start_ms = input_cpu_ms();
     bool worked = true;
     if (by == TRACER_SVOCL) {
         worked = trace_svocl(b);
@@ -168,7 +161,7 @@ static double trace(voxel_bench *b, tracer by)
     } else if (b->peer != NULL) {
         nanovdb_trace(b->peer, b->voxel_rays, b->distances[by], b->ray_count);
     }
-    return worked ? cpu_ms() - start_ms : -1.0;
+    return worked ? input_cpu_ms() - start_ms : -1.0;
 }
 
 /* Svocl's hits as distances in voxels. */

@@ -143,7 +143,7 @@ int suite_name(program *state, const char *name, suite_input *out)
     return PROGRAM_DONE;
 }
 
-int suite_open(program *state, const char *name, suite_input *out)
+static int open_named(program *state, const char *name, bool takes_voxels, suite_input *out)
 {
     const int named = suite_name(state, name, out);
     if (named != PROGRAM_DONE) {
@@ -151,19 +151,29 @@ int suite_open(program *state, const char *name, suite_input *out)
     }
     state->options.input = out->text;
     progress_hold(state->progress, true);
-    const int exit_code = input_open(state, &out->source);
+    const int exit_code =
+        takes_voxels ? input_open_any(state, SVO_NEED_NONE, &out->source) : input_open(state, &out->source);
     progress_hold(state->progress, false);
     return exit_code;
 }
 
+int suite_open(program *state, const char *name, suite_input *out)
+{
+    return open_named(state, name, false, out);
+}
+
 /* Opens each INPUT of --scenes and closes it again: one that cannot be read fails before anything is measured. */
-static int check_scenes(suite *all)
+static int check_scenes(suite *all, const suite_subject *const *subjects, const char *wanted)
 {
     const char *kept = all->state->options.input;
     int exit_code = PROGRAM_DONE;
+    bool takes_voxels = false;
+    for (size_t i = 0; subjects[i] != NULL; ++i) {
+        takes_voxels = takes_voxels || (subjects[i]->takes_voxels && suite_is_wanted(subjects[i], wanted));
+    }
     for (size_t i = 0; all->scenes[i] != NULL && exit_code == PROGRAM_DONE; ++i) {
         suite_input opened = {.text = ""};
-        exit_code = suite_open(all->state, all->scenes[i], &opened);
+        exit_code = open_named(all->state, all->scenes[i], takes_voxels, &opened);
         if (exit_code == PROGRAM_DONE) {
             input_close(&opened.source);
         }
@@ -172,14 +182,16 @@ static int check_scenes(suite *all)
     return exit_code;
 }
 
-/* One scene at every depth. */
+/* One scene at every depth, or voxels at theirs. */
 static int run_scene(suite *all, const suite_subject *subject, const char *name, const unsigned *depths)
 {
     suite_input opened = {.text = ""};
-    int exit_code = suite_open(all->state, name, &opened);
+    int exit_code = open_named(all->state, name, subject->takes_voxels, &opened);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
+    const unsigned of_voxels[] = {opened.source.voxels.list.depth, 0};
+    depths = opened.source.mesh != NULL ? depths : of_voxels;
     for (size_t i = 0; depths[i] != 0 && exit_code == PROGRAM_DONE; ++i) {
         progress_step(all->state->progress, subject->words->name);
         exit_code = subject->run(all, &opened.source, depths[i]);
@@ -249,7 +261,7 @@ static void keep_failure(suite *all, const suite_subject *subject, size_t first_
 static int run_wanted(suite *all, const suite_subject *const *subjects, const char *wanted)
 {
     program_begin_progress(all->state, count_all_steps(all, subjects, wanted));
-    int exit_code = check_scenes(all);
+    int exit_code = check_scenes(all, subjects, wanted);
     if (exit_code == PROGRAM_DONE) {
         exit_code = session_open_both(all->state, &all->opened);
     }

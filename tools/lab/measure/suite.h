@@ -40,6 +40,7 @@ typedef struct suite_subject {
     suite_work full, quick;
     bool fixed; /* --scenes and --depths do not change them */
     bool takes_scenes; /* with run_all: it measures what --scenes says; --depths does not apply */
+    bool takes_voxels; /* of an INPUT that is a voxel file, once, at the least depth that holds it */
     int (*begin)(suite *all); /* adds the tables with their columns */
     int (*run)(suite *all, const input *source, unsigned depth); /* adds rows */
 
