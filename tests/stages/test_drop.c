@@ -83,6 +83,11 @@ static void the_reference_leaves_out_the_same_pairs(void **state)
 {
     (void)state;
     check_on_path(SVO_PATH_CPU);
+}
+
+static void nor_does_the_path_of_gpus_differ(void **state)
+{
+    (void)state;
     check_on_path(SVO_PATH_GPU);
 }
 
@@ -477,5 +482,8 @@ TEST_GROUP(drop)
         cmocka_unit_test(alphas_out_of_range_are_refused),
         cmocka_unit_test(the_builder_of_opengl_refuses),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    const struct CMUnitTest on_gpus[] = {cmocka_unit_test(nor_does_the_path_of_gpus_differ)};
+    return cmocka_run_group_tests_name("drop", tests, fixture_group_setup, fixture_group_teardown) +
+           cmocka_run_group_tests_name("the path of GPUs", on_gpus, fixture_group_setup_unoptimized,
+                                       fixture_group_teardown_unoptimized);
 }

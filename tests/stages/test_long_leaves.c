@@ -326,5 +326,6 @@ TEST_GROUP(long_leaves)
     const struct CMUnitTest tests[] = {cmocka_unit_test(no_work_item_goes_through_a_long_leaf),
                                        cmocka_unit_test(small_trees_are_gathered_by_groups),
                                        cmocka_unit_test(nor_does_one_of_a_scene_that_moves)};
-    return cmocka_run_group_tests_name("long_leaves", tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("long_leaves", tests, fixture_group_setup_unoptimized,
+                                       fixture_group_teardown_unoptimized);
 }

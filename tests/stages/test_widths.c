@@ -93,5 +93,6 @@ TEST_GROUP(widths)
     const struct CMUnitTest tests[] = {cmocka_unit_test(trees_do_not_depend_on_the_widths),
                                        cmocka_unit_test(trees_do_not_depend_on_the_largest_allocation),
                                        cmocka_unit_test(scans_have_at_most_the_devices_groups)};
-    return cmocka_run_group_tests_name("widths", tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("widths", tests, fixture_group_setup_unoptimized,
+                                       fixture_group_teardown_unoptimized);
 }
