@@ -1,6 +1,6 @@
-# Debian packages by CPack, from the components of cmake/install.cmake: libsvocl0.1, libsvocl-dev, svocl, the program,
-# svocl-lab, what checks and measures, and python3-svocl. `tools/dev deb` configures, builds and tests them. Of a static
-# build there is no libsvocl0.1.
+# Debian packages by CPack, from the components of cmake/install.cmake: the shared libraries, whose package has their
+# version in its name, libsvocl-dev, svocl, the program, svocl-lab, what checks and measures, and python3-svocl.
+# `tools/dev deb` configures, builds and tests them. Of a static build there is no package of the libraries.
 set(CPACK_PACKAGE_NAME svocl)
 set(CPACK_PACKAGE_VENDOR "The svocl authors")
 # Who makes packages is responsible for them. The address of the default is one that no mail can reach (RFC 2606).

@@ -3,13 +3,15 @@
 #
 # `tools/dev deb`: the Debian packages and the Python wheel, and whether they install and run in a clean Debian 12.
 # `tools/dev bare`: demo and test of a clone in a clean Debian 12. `tools/dev recipe`: the recipe of docs/ci.md in one.
-# `tools/dev oldest_cmake`: whether the oldest CMake suffices. tools/dev sources this file, which uses its functions and
-# settings.
+# `tools/dev oldest_cmake`: whether the oldest CMake suffices. `tools/dev conan`: the recipe for Conan. `tools/dev abi`:
+# whether the ABI is that of the last release. tools/dev sources this file, which uses its functions and settings.
 # shellcheck disable=SC2154
 
 readonly build_deb=build-deb
 readonly build_ci=build-ci # as in docs/ci.md
 readonly build_cmake=build-cmake
+readonly build_conan=build-conan
+readonly build_abi=build-abi
 
 # wheel FOLDER: the Python package as a wheel there. pip brings what builds it.
 wheel()
@@ -68,4 +70,23 @@ oldest_cmake()
     setup
     prepare_run_time
     tests/install/oldest_cmake.sh "$build_cmake"
+}
+
+conan()
+{
+    setup "${program_packages[@]}"
+    prepare_run_time
+    tests/install/conan.sh "$build_conan"
+}
+
+# abi [COMMIT]: beside the last tag.
+abi()
+{
+    local commit=${1:-}
+    if [[ -z $commit ]] && ! commit=$(git describe --tags --abbrev=0 2>/dev/null); then
+        printf 'abi: there is no tag, thus no release to compare with; tools/dev abi COMMIT compares with a commit\n'
+        return 77
+    fi
+    setup "${program_packages[@]}" abigail-tools
+    tests/install/abi.sh "$build_abi" "$commit"
 }

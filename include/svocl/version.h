@@ -12,9 +12,9 @@ extern "C" {
 #endif
 
 #define SVO_VERSION_MAJOR  0 /**< of the headers */
-#define SVO_VERSION_MINOR  1 /**< of the headers */
+#define SVO_VERSION_MINOR  2 /**< of the headers */
 #define SVO_VERSION_PATCH  0 /**< of the headers */
-#define SVO_VERSION_STRING "0.1.0" /**< of the headers */
+#define SVO_VERSION_STRING "0.2.0" /**< of the headers */
 
 /** The version of the library at run time; a shared library may be newer than the headers.
  *

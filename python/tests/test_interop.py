@@ -61,22 +61,72 @@ def test_arrays_elsewhere_are_refused():
         svocl.Mesh(Far(CUBE_POSITIONS), CUBE_INDICES)
 
 
-def test_arrays_go_out_by_dlpack(tree):
-    """All that the package returns is numpy's: what is written to by svocl alone comes read-only, records by field."""
-    voxels = tree.voxels()
-    assert np.shares_memory(np.from_dlpack(voxels), voxels)
-    hits = tree.trace(svocl.make_rays([[1, 0, -2], [9, 9, 9]], [0, 0, 1]))
-    for field in ("t", "triangle", "normal"):
-        assert np.shares_memory(np.from_dlpack(hits[field]), hits)
-        assert np.array_equal(np.from_dlpack(hits[field]), hits[field])
-    masks = tree.arrays.child_mask
-    assert masks.__dlpack_device__() == (1, 0) and masks.__array_interface__["data"][1]
-    if np.lib.NumpyVersion(np.__version__) < "2.1.0":
-        with pytest.raises(BufferError):  # DLPack before 1.0 cannot say that an array is read-only
-            np.from_dlpack(masks)
-    else:
-        lent = np.from_dlpack(masks)
-        assert np.shares_memory(lent, masks) and not lent.flags.writeable
+def arrays_in(value):
+    """The arrays of a result, of its tuples and of its properties."""
+    if isinstance(value, np.ndarray):
+        yield value
+    elif isinstance(value, tuple):
+        for part in value:
+            yield from arrays_in(part)
+    elif isinstance(value, svocl.Mesh):
+        for name in ("positions", "indices", "normals", "colors", "uvs"):
+            yield from arrays_in(getattr(value, name))
+
+
+def lent_by_dlpack(array):
+    """Another look at the array's memory by DLPack; records go by their fields. Before DLPack 1.0, which comes with
+    numpy 2.1, it cannot say that an array is read-only."""
+    fields = [array[name] for name in array.dtype.names] if array.dtype.names else [array]
+    for field in fields:
+        assert field.__dlpack_device__() == (1, 0)
+        interface = field.__array_interface__
+        assert interface["shape"] == field.shape and interface["data"][1] == (not field.flags.writeable)
+        if not field.flags.writeable and np.lib.NumpyVersion(np.__version__) < "2.1.0":
+            with pytest.raises(BufferError):
+                np.from_dlpack(field)
+            continue
+        lent = np.from_dlpack(field)
+        assert lent.dtype == field.dtype and np.array_equal(lent, field, equal_nan=field.dtype.kind == "f")
+        assert field.size == 0 or np.shares_memory(lent, array)
+        assert lent.flags.writeable == field.flags.writeable
+
+
+def test_arrays_go_out_by_dlpack(device, cube):
+    """All that the package returns is numpy's: what is written to by svocl alone comes read-only."""
+    need = svocl.Need.RAYS | svocl.Need.COLOR | svocl.Need.NORMAL | svocl.Need.PROJECTED_AREA
+    rays = svocl.make_rays([[0.5, 0.5, -2], [9, 9, 9]], [0, 0, 1])
+    points = svocl.make_gather_points([[0.5, 0.5, -0.1]], (0, 0, -1))
+    voxels = svocl.make_voxels([[1, 2, 3], [4, 5, 6]], [9, 8, 7, 255])
+    cloud = svocl.make_points([[0.0, 0, 0], [1, 2, 3]], [[1, 2, 3], [4, 5, 6]])
+    colors = np.tile(np.array([9, 8, 7, 255], np.uint8), (len(cube.positions), 1))
+    mesh = svocl.Mesh(cube.positions, cube.indices, colors=colors)
+    with device.build(mesh, 4, need=need, origin=(-0.5, -0.5, -0.5), edge=2.0) as tree:
+        field = svocl.sdf(tree)
+        results = {
+            "records": (rays, points, voxels, cloud, svocl.make_instances([0], np.eye(3, 4)[None])),
+            "mesh": mesh,
+            "tree": (tree.arrays, tree.voxels(), tree.centers()),
+            "rays": (tree.trace(rays), tree.trace_voxels(rays), tree.nearest(np.full((3, 3), 0.25))),
+            "picture": tree.render(16, 8),
+            "field": (field, svocl.surface(field, colors=tree)),
+            "normals": svocl.vertex_normals(mesh),
+        }
+        with svocl.Compact(tree, svocl.Form.SHARED) as compact:
+            results["compact"] = (compact.arrays, compact.trace(rays))
+        with svocl.Scene([tree], svocl.make_instances([0], np.eye(3, 4)[None])) as scene:
+            results["scene"] = (scene.trace(rays), scene.render(16, 8))
+        with svocl.Light(tree) as light:
+            light.set_sources(sky=(1, 1, 1))
+            results["light"] = (light.gather(points), light.render(16, 8))
+        with svocl.Voxels.of_points(cloud, 3) as made:
+            results["list"] = (made.records, made.counts)
+        assert not tree.arrays.child_mask.flags.writeable and not results["list"][0].flags.writeable
+    for name, value in results.items():
+        arrays = list(arrays_in(value))
+        print(name, len(arrays))
+        assert arrays
+        for array in arrays:
+            lent_by_dlpack(array)
 
 
 # --- trimesh --------------------------------------------------------------------------------------------------------

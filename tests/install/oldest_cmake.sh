@@ -26,7 +26,7 @@ rm -rf "$folder/build"
     exit 1
 }
 "$cmake" --list-presets >/dev/null
-project=$(sed -n 's/^ *VERSION \([0-9.]*\)$/\1/p' CMakeLists.txt)
+project=$(sed -n 's/^#define SVO_VERSION_STRING "\(.*\)".*/\1/p' include/svocl/version.h)
 for test in subproject shared; do
     "$cmake" -DSOURCE_DIR="$PWD" -DWORK_DIR="$folder/$test" -DC_COMPILER=cc -DGENERATOR=Ninja -DVERSION="$project" \
         -P "tests/install/test_$test.cmake"

@@ -3,6 +3,7 @@
 # BUILD_DIR, SOURCE_DIR, WORK_DIR, C_COMPILER, GENERATOR and VERSION come from the command line.
 include(${CMAKE_CURRENT_LIST_DIR}/common.cmake)
 set(prefix ${WORK_DIR}/prefix)
+string(REGEX MATCH "^[0-9]+\\.[0-9]+" minor_version ${VERSION})
 file(REMOVE_RECURSE ${WORK_DIR})
 file(MAKE_DIRECTORY ${WORK_DIR}/consumer ${WORK_DIR}/build)
 
@@ -32,7 +33,7 @@ endif()
 file(MAKE_DIRECTORY ${WORK_DIR}/hash_test)
 file(WRITE ${WORK_DIR}/hash_test/part.obj "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
 set(hash_project "cmake_minimum_required(VERSION 3.22)\nproject(hashes LANGUAGES C)\nenable_testing()\n"
-                 "find_package(svocl 0.1 REQUIRED COMPONENTS svocl)\n")
+                 "find_package(svocl ${minor_version} REQUIRED COMPONENTS svocl)\n")
 string(JOIN "" hash_project ${hash_project})
 run(${prefix}/bin/svocl hash ${WORK_DIR}/hash_test/part.obj -d 3)
 string(STRIP "${out}" part_hash)
@@ -103,7 +104,8 @@ run(${prefix}/bin/files ${WORK_DIR}/mesh.obj ${real_prefix}/libexec/svocl/svocl-
 file(MAKE_DIRECTORY ${WORK_DIR}/consumer_io)
 file(COPY ${SOURCE_DIR}/tests/install/files.c DESTINATION ${WORK_DIR}/consumer_io)
 file(WRITE ${WORK_DIR}/consumer_io/CMakeLists.txt
-     "cmake_minimum_required(VERSION 3.22)\nproject(files LANGUAGES C)\nfind_package(svocl 0.1 REQUIRED COMPONENTS io)\n"
+     "cmake_minimum_required(VERSION 3.22)\nproject(files LANGUAGES C)\n"
+     "find_package(svocl ${minor_version} REQUIRED COMPONENTS io)\n"
      "add_executable(files files.c)\ntarget_link_libraries(files PRIVATE svocl::io)\n")
 run(${CMAKE_COMMAND} -S ${WORK_DIR}/consumer_io -B ${WORK_DIR}/consumer_io/build -G ${GENERATOR}
     -DCMAKE_C_COMPILER=${C_COMPILER} -DCMAKE_PREFIX_PATH=${prefix})

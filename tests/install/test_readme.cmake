@@ -1,4 +1,5 @@
-# Fails unless README.md contains the text of each file it claims to show.
+# Fails unless README.md contains the text of each file it claims to show, and what names the version names that of
+# include/svocl/version.h.
 file(READ ${SOURCE_DIR}/README.md readme)
 
 function(expect_shown file)
@@ -18,3 +19,29 @@ endif()
 
 expect_shown(samples/01_minimal/main.c)
 expect_shown(tests/install/consumer/CMakeLists.txt)
+
+file(READ ${SOURCE_DIR}/include/svocl/version.h header)
+string(REGEX MATCH "SVO_VERSION_MAJOR +([0-9]+).*SVO_VERSION_MINOR +([0-9]+).*SVO_VERSION_PATCH +([0-9]+)" found "${header}")
+set(minor ${CMAKE_MATCH_1}.${CMAKE_MATCH_2})
+set(version ${minor}.${CMAKE_MATCH_3})
+if(NOT header MATCHES "SVO_VERSION_STRING \"${version}\"")
+  message(SEND_ERROR "version.h: SVO_VERSION_STRING is not \"${version}\"")
+endif()
+file(READ ${SOURCE_DIR}/CITATION.cff citation)
+if(NOT citation MATCHES "\nversion: ${version}\n")
+  message(SEND_ERROR "CITATION.cff does not name version ${version}")
+endif()
+file(READ ${SOURCE_DIR}/CHANGELOG.md changelog)
+if(NOT changelog MATCHES "^[^#]*# Changelog\n[^#]*\n## ${version} ")
+  message(SEND_ERROR "CHANGELOG.md does not begin with version ${version}")
+endif()
+file(GLOB documents ${SOURCE_DIR}/*.md ${SOURCE_DIR}/docs/*.md ${SOURCE_DIR}/python/README.md ${SOURCE_DIR}/samples/*/*.md)
+foreach(document IN LISTS documents)
+  file(READ ${document} text)
+  string(REGEX MATCHALL "(find_package\\(svocl |libsvocl|SVOCL_)[0-9]+[.][0-9]+" names "${text}")
+  foreach(name IN LISTS names)
+    if(NOT name MATCHES "[a-zA-Z_ ]${minor}$" AND NOT document MATCHES "CHANGELOG")
+      message(SEND_ERROR "${document} has ${name}, and the version is ${minor}")
+    endif()
+  endforeach()
+endforeach()
