@@ -4,10 +4,12 @@
  *
  *   svo_k_screen_points  per cell: the surface that its middle shows and what it mirrors, as a point for
  *                        svo_k_gather_rays; without a normal where nothing is
+ *   svo_k_screen_guide   per cell: the mean light of the cells around it, and its standard errors
  *   svo_k_screen_filter  per cell: one step of an edge-avoiding wavelet filter (Dammertz et al., "Edge-Avoiding A-Trous
  *                        Wavelet Transform for Fast Global Illumination Filtering", 2010). Neighbors count by how far
- *                        they lie on the cell's plane, and by how much their light differs beside its standard error
- *                        (after Schied et al., "Spatiotemporal Variance-Guided Filtering", 2017)
+ *                        they lie on the cell's plane, and by how much the light around them differs beside its
+ *                        standard error (after Schied et al., "Spatiotemporal Variance-Guided Filtering", 2017). By
+ *                        their own light, cells that find rare light would not give it to those that do not
  *
  * Launch: one work-item per cell of a band, screen.columns x screen.rows from row screen.first_row on. No atomics, no
  * local memory.
@@ -67,28 +69,39 @@ static float4 svo_screen_gathered(__global const svo_gather_result *gathered, __
     return from != NULL ? from[cell] : (float4)(light, of->openness);
 }
 
-/* The standard errors of that light and of openness at a cell, from those of the cells around it, each of which knows
-   little. */
-static float2 svo_screen_error(__global const svo_gather_result *gathered, svo_screen_params screen, int2 at)
+/* Of irradiance or specular light, and of openness: the means x and y, brightness for light, and their standard errors
+   z and w. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_screen_guide(__global const svo_gather_result *gathered, __global float4 *guide, svo_screen_params screen)
 {
+    const uint item = (uint)get_global_id(0);
+    if (item >= screen.columns * screen.rows) {
+        return;
+    }
+    const int2 at = (int2)((int)(item % screen.columns), (int)(item / screen.columns));
+    float2 means = (float2)(0.0f);
     float2 squares = (float2)(0.0f);
-    uint count = 0u;
+    float count = 0.0f;
     for (int k = 0; k < 9; ++k) {
         const int2 near = at + (int2)(k % 3 - 1, k / 3 - 1);
         if (near.x >= 0 && near.x < (int)screen.columns && near.y >= 0 && near.y < (int)screen.rows) {
-            __global const svo_gather_result *of = gathered + (size_t)near.y * screen.columns + (size_t)near.x;
+            const size_t cell = (size_t)near.y * screen.columns + (size_t)near.x;
+            __global const svo_gather_result *of = gathered + cell;
+            const float4 light = svo_screen_gathered(gathered, NULL, screen, cell);
             const float2 error =
                 (float2)(screen.is_specular != 0u ? of->specular_error : of->irradiance_error, of->openness_error);
+            means += (float2)(svo_screen_brightness(light), light.w);
             squares += error * error;
-            ++count;
+            count += 1.0f;
         }
     }
-    return sqrt(squares / (float)count);
+    guide[item] = (float4)(means / count, sqrt(squares / count));
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_screen_filter(__global const svo_gather_point *points, __global const svo_gather_result *gathered,
-                    __global const float4 *from, __global float4 *to, svo_screen_params screen)
+                    __global const float4 *guide, __global const float4 *from, __global float4 *to,
+                    svo_screen_params screen)
 {
     const uint item = (uint)get_global_id(0);
     if (item >= screen.columns * screen.rows) {
@@ -102,7 +115,7 @@ svo_k_screen_filter(__global const svo_gather_point *points, __global const svo_
         to[item] = own;
         return;
     }
-    const float2 error = screen.tolerance * svo_screen_error(gathered, screen, at) + 1e-6f;
+    const float4 guided = guide[item];
     float4 sum = (float4)(0.0f);
     float light_weights = 0.0f;
     float openness_weights = 0.0f;
@@ -117,8 +130,9 @@ svo_k_screen_filter(__global const svo_gather_point *points, __global const svo_
         const uint2 far = abs(away);
         const float spline = svo_screen_spline(far.x) * svo_screen_spline(far.y);
         const float alike = k == 12 ? spline : spline * svo_screen_alike(point, face, points + cell);
+        const float4 other = guide[cell];
         const float2 differs =
-            (float2)(fabs(svo_screen_brightness(light) - svo_screen_brightness(own)), fabs(light.w - own.w)) / error;
+            fabs(other.xy - guided.xy) / (screen.tolerance * fmax(other.zw, guided.zw) + (float2)(1e-6f));
         const float light_weight = alike * exp(-differs.x);
         const float openness_weight = alike * exp(-differs.y);
         sum.xyz += light_weight * light.xyz;

@@ -28,6 +28,7 @@ static svo_status make_buffers(svo_i_light_screen *screen, svo_i_device_work *wo
     const uint64_t cells = (rows < screen->height ? rows : screen->height) * screen->params.columns;
     SVO_I_TRY(svo_i_work_alloc(work, "screen_cells", cells * sizeof(svo_gather_point), &screen->cells));
     SVO_I_TRY(svo_i_work_alloc(work, "screen_gathered", cells * sizeof(svo_gather_result), &screen->gathered));
+    SVO_I_TRY(svo_i_work_alloc(work, "screen_guide", cells * sizeof(cl_float4), &screen->guide));
     SVO_I_TRY(svo_i_work_alloc(work, "screen_light", cells * sizeof(cl_float4), &screen->light));
     if (screen->mirrors) {
         SVO_I_TRY(svo_i_work_alloc(work, "screen_specular", cells * sizeof(cl_float4), &screen->specular));
@@ -59,12 +60,15 @@ static svo_status smooth(svo_i_light_screen *screen, bool is_specular, cl_mem *l
     const uint64_t cells = (uint64_t)screen->params.columns * screen->params.rows;
     cl_mem from = NULL;
     screen->params.is_specular = is_specular;
+    const svo_i_argument of_guide[] = {SVO_I_ARGUMENT(screen->gathered), SVO_I_ARGUMENT(screen->guide),
+                                       SVO_I_ARGUMENT(screen->params)};
+    SVO_I_TRY(svo_i_work_launch(work, "svo_k_screen_guide", SVO_I_ARGUMENTS(of_guide), cells));
     for (uint32_t step = 0; step < STEPS; ++step) {
         screen->params.step = 1u << step;
         screen->params.tolerance = TOLERANCE / (float)(1u << step);
         const svo_i_argument arguments[] = {SVO_I_ARGUMENT(screen->cells), SVO_I_ARGUMENT(screen->gathered),
-                                            SVO_I_ARGUMENT(from), SVO_I_ARGUMENT(screen->spare),
-                                            SVO_I_ARGUMENT(screen->params)};
+                                            SVO_I_ARGUMENT(screen->guide), SVO_I_ARGUMENT(from),
+                                            SVO_I_ARGUMENT(screen->spare), SVO_I_ARGUMENT(screen->params)};
         SVO_I_TRY(svo_i_work_launch(work, "svo_k_screen_filter", SVO_I_ARGUMENTS(arguments), cells));
         from = screen->spare;
         screen->spare = *light;

@@ -14,7 +14,7 @@ typedef struct svo_i_light_screen {
     uint32_t height; /* cell rows of the picture */
     bool mirrors; /* surfaces, in this picture */
     svo_screen_params params; /* of the band */
-    cl_mem cells, gathered, light, spare; /* the work's, for the cells of a band */
+    cl_mem cells, gathered, guide, light, spare; /* the work's, for the cells of a band */
     cl_mem specular; /* likewise; NULL: the picture mirrors nothing */
     uint32_t band_rows; /* of cells that the buffers hold, without those beside the band */
 } svo_i_light_screen;

@@ -475,6 +475,50 @@ static void few_rays_look_like_many(void **state)
     close_floor(&scene);
 }
 
+/* A closed room of 1.8 x 0.5 x 1.8 with a hole of 0.3 x 0.3 in its ceiling. */
+static const float dark_room[12 * 3] = {-0.9F, 0,    -0.9F,  0.9F,  0,    -0.9F, 0.9F,   0,    0.9F,
+                                        -0.9F, 0,    0.9F,   -0.9F, 0.5F, -0.9F, 0.9F,   0.5F, -0.9F,
+                                        0.9F,  0.5F, 0.9F,   -0.9F, 0.5F, 0.9F,  -0.15F, 0.5F, -0.15F,
+                                        0.15F, 0.5F, -0.15F, 0.15F, 0.5F, 0.15F, -0.15F, 0.5F, 0.15F};
+static const uint32_t room_faces[18 * 3] = {0, 2, 1,  0, 3,  2, 0, 1, 5,  0, 5,  4,  1, 2, 6, 1, 6, 5,
+                                            2, 3, 7,  2, 7,  6, 3, 0, 4,  3, 4,  7,  4, 5, 9, 4, 9, 8,
+                                            5, 6, 10, 5, 10, 9, 6, 7, 11, 6, 11, 10, 7, 4, 8, 7, 8, 11};
+
+/* Where one path in twenty finds the sky, most cells of a picture find none: what the others find is theirs, too. */
+static void smoothing_keeps_rare_light(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_gather_options many = {.struct_size = sizeof many, .method = SVO_GATHER_RAYS, .paths = 1024};
+    static uint8_t rgba[WIDTH * HEIGHT * 4];
+    svo_render_options picture = picture_of(SVO_VIEW_INDIRECT);
+    svo_mesh mesh = SVO_MESH_INIT;
+    double sums[2] = {0, 0};
+    lit_floor scene;
+    mesh.positions = dark_room;
+    mesh.vertex_count = 12;
+    mesh.indices = room_faces;
+    mesh.triangle_count = 18;
+    fixture_build(&opened, &mesh, DEPTH, &everything, &scene.made);
+    scene.light = light_of(&opened, scene.made.tree, SVO_LIGHT_FACES);
+    shine(&opened, scene.light, NULL, 10.0F);
+    for (int from = 0; from < 8; ++from) { /* from each corner to one of two places */
+        const float x = (from & 1) != 0 ? 1.0F : -1.0F;
+        const float z = (from & 2) != 0 ? 1.0F : -1.0F;
+        const float near = (from & 4) != 0 ? 0.5F : 0.4F;
+        picture.camera = (svo_camera){{0.8F * x, 0.4F, 0.8F * z}, {near * x, 0, near * z}, {0, 1, 0}, 0.5F};
+        for (int i = 0; i < 2; ++i) {
+            picture.gather = i == 1 ? &many : NULL;
+            draw(&opened, scene.light, &picture, rgba);
+            for (size_t at = 0; at < sizeof rgba; at += 4) {
+                sums[i] += linear_of(rgba[at]) / (8 * WIDTH * HEIGHT);
+            }
+        }
+    }
+    print_message("mean of %.4f instead of %.4f\n", sums[0], sums[1]);
+    assert_true(fabs(sums[0] / sums[1] - 1) < 0.03); /* 0.13 where cells are compared by their own light */
+    close_floor(&scene);
+}
+
 /* A canyon, seen from above, and on the left a lid on it: what rays bring is noisy in the canyon, and steady on the
    lid. */
 static const float canyon_and_lid[12 * 3] = {-1, 0,    -0.3F, 1, 0,    -0.3F, 1, 0,    0.3F, -1, 0,    0.3F,
@@ -573,6 +617,7 @@ TEST_GROUP(light_picture)
                                        cmocka_unit_test(bands_are_rows_of_the_picture),
                                        cmocka_unit_test(bands_have_the_light_beside_them),
                                        cmocka_unit_test(few_rays_look_like_many),
+                                       cmocka_unit_test(smoothing_keeps_rare_light),
                                        cmocka_unit_test(edges_of_surfaces_are_kept),
                                        cmocka_unit_test(a_plane_cuts_the_floor_away),
                                        cmocka_unit_test(wrong_pictures_are_refused)};
