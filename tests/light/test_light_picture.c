@@ -58,6 +58,19 @@ static void open_floor(const fixture *opened, bool with_roof, lit_floor *out)
     out->light = light_of(opened, out->made.tree, SVO_LIGHT_FACES);
 }
 
+/* A scene of one clay, of 12 corners. */
+static void open_clay(const fixture *opened, const float *positions, const uint32_t *indices, size_t triangle_count,
+                      lit_floor *out)
+{
+    svo_mesh mesh = SVO_MESH_INIT;
+    mesh.positions = positions;
+    mesh.vertex_count = 12;
+    mesh.indices = indices;
+    mesh.triangle_count = triangle_count;
+    fixture_build(opened, &mesh, DEPTH, &everything, &out->made);
+    out->light = light_of(opened, out->made.tree, SVO_LIGHT_FACES);
+}
+
 static void close_floor(lit_floor *scene)
 {
     svo_light_destroy(&scene->light);
@@ -484,22 +497,16 @@ static const uint32_t room_faces[18 * 3] = {0, 2, 1,  0, 3,  2, 0, 1, 5,  0, 5, 
                                             2, 3, 7,  2, 7,  6, 3, 0, 4,  3, 4,  7,  4, 5, 9, 4, 9, 8,
                                             5, 6, 10, 5, 10, 9, 6, 7, 11, 6, 11, 10, 7, 4, 8, 7, 8, 11};
 
-/* Where one path in twenty finds the sky, most cells of a picture find none: what the others find is theirs, too. */
+/* Where one path in forty finds the sky, most cells of a picture find none: what the others find is theirs, too. */
 static void smoothing_keeps_rare_light(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     const svo_gather_options many = {.struct_size = sizeof many, .method = SVO_GATHER_RAYS, .paths = 1024};
     static uint8_t rgba[WIDTH * HEIGHT * 4];
     svo_render_options picture = picture_of(SVO_VIEW_INDIRECT);
-    svo_mesh mesh = SVO_MESH_INIT;
     double sums[2] = {0, 0};
     lit_floor scene;
-    mesh.positions = dark_room;
-    mesh.vertex_count = 12;
-    mesh.indices = room_faces;
-    mesh.triangle_count = 18;
-    fixture_build(&opened, &mesh, DEPTH, &everything, &scene.made);
-    scene.light = light_of(&opened, scene.made.tree, SVO_LIGHT_FACES);
+    open_clay(&opened, dark_room, room_faces, 18, &scene);
     shine(&opened, scene.light, NULL, 10.0F);
     for (int from = 0; from < 8; ++from) { /* from each corner to one of two places */
         const float x = (from & 1) != 0 ? 1.0F : -1.0F;
@@ -542,14 +549,8 @@ static void edges_of_surfaces_are_kept(void **state)
     const fixture opened = fixture_cl_of_group(state);
     static uint8_t rgba[WIDTH * HEIGHT * 4];
     const svo_render_options picture = picture_of(SVO_VIEW_AO);
-    svo_mesh mesh = SVO_MESH_INIT;
     lit_floor scene;
-    mesh.positions = canyon_and_lid;
-    mesh.vertex_count = 12;
-    mesh.indices = canyon_faces;
-    mesh.triangle_count = 8;
-    fixture_build(&opened, &mesh, DEPTH, &everything, &scene.made);
-    scene.light = light_of(&opened, scene.made.tree, SVO_LIGHT_FACES);
+    open_clay(&opened, canyon_and_lid, canyon_faces, 8, &scene);
     draw(&opened, scene.light, &picture, rgba);
     const double beside_lid = mean_of_column(rgba, WIDTH / 2 + 2);
     print_message("openness of the canyon: %.3f\n", beside_lid);
