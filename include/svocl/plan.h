@@ -86,7 +86,7 @@ typedef enum svo_builder {
 
 /** Where svo_plan_create works. The plan is the same, bit for bit. */
 typedef enum svo_place {
-    /** The host for fewer than 4,096 triangles, and on a device handle whose plans had fewer than 131,072 in all;
+    /** The host for fewer than 4,096 triangles, and on a device handle whose plans had fewer than 524,288 in all;
      *  later the device, so that small meshes do not pay for the kernels. Always the host on handles with a budget
      *  (max_device_bytes) and on devices without doubles or denormals. */
     SVO_PLACE_DEFAULT = 0,
