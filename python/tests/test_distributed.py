@@ -390,6 +390,17 @@ def test_workers_killed(pool, mesh_file, whole, tmp_path):
     expect_tree(tmp_path / "tree.svo", whole)
 
 
+def test_damaged_triangles(pool, mesh_file, whole, tmp_path):
+    """Nobody can build the part; the same command plans again, which writes them."""
+    path = tmp_path / "tree.svo"
+    pool.worker(f"at=3 damage=1 once={tmp_path / 'once'}")
+    code, _, errors = run(mesh_file, path, "--scheduler", pool.address)
+    assert code == 75 and "planning the parts again writes" in errors and "the same command does so" in errors
+    code, document, _ = run(mesh_file, path, "--scheduler", pool.address)
+    assert code == 0 and document["kept"] >= 2
+    expect_tree(path, whole)
+
+
 @long
 def test_the_only_worker_killed_at_its_last_part(pool, device, mesh, mesh_file, whole, tmp_path):
     """The part is there, but nobody has been told. The worker's nanny starts it again."""

@@ -270,16 +270,22 @@ def build(
     steps: "Steps",
     places: Places,
 ) -> Summary:
-    return build_parts(
-        client,
-        parts,
-        shared_folder=not options.no_shared_folder,
-        device=options.device,
-        patience=options.patience,
-        report=report.parts,
-        record=steps.add,
-        stored=places.stored,
-    )
+    """Builds. Triangles that are damaged or missing by then are written by the next try."""
+    try:
+        return build_parts(
+            client,
+            parts,
+            shared_folder=not options.no_shared_folder,
+            device=options.device,
+            patience=options.patience,
+            report=report.parts,
+            record=steps.add,
+            stored=places.stored,
+        )
+    except Refused as problem:
+        if "planning the parts again" not in str(problem):
+            raise
+        raise Interrupted(f"{problem}; the same command does so") from problem
 
 
 @contextlib.contextmanager
