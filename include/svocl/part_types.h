@@ -14,6 +14,8 @@
 extern "C" {
 #endif
 
+#define SVO_PARTS_LEVELS_MAX 22 /**< SVO_LEVELS_MAX of a tree in parts: SVO_PARTS_DEPTH_MAX + 2 */
+
 /** Bits of svo_part_header.flags. */
 typedef enum svo_part_flags {
     SVO_PART_BOTH_SIDES = 1 /**< the mesh is open: its triangles count from both sides in projected areas */

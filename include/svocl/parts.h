@@ -171,7 +171,7 @@ typedef struct svo_parts_entry {
  *
  * \param device whose memory the parts are planned for
  * \param mesh the whole mesh
- * \param depth of the whole tree
+ * \param depth of the whole tree, SVO_DEPTH_MIN .. SVO_PARTS_DEPTH_MAX
  * \param options of the whole tree; NULL means all defaults. part_header must be NULL; builder has no effect, parts
  *        are built by SVO_BUILDER_CL
  * \param max_bytes for the buffers and the host's memory of one part's build; 0: a sixteenth of the whole's, and
@@ -179,8 +179,9 @@ typedef struct svo_parts_entry {
  * \param folder is made where it is not there
  * \param message receives the reason for a failure; NULL allowed
  * \returns SVO_CAPACITY_EXCEEDED (max_bytes is too small for any part), SVO_UNAVAILABLE (another process plans, builds
- *          or stitches the parts, or broke this one's lease, or there is no space), SVO_FILE_ERROR, and what
- *          svo_plan_create returns. */
+ *          or stitches the parts, or broke this one's lease, or there is no space), SVO_UNSUPPORTED (SVO_NEED_RAYS
+ *          above SVO_DEPTH_MAX, where the tree is never loaded as a whole), SVO_FILE_ERROR, and what svo_plan_create
+ *          returns. */
 SVO_API svo_status svo_parts_create(svo_device *device, const svo_mesh *mesh, unsigned depth,
                                     const svo_plan_options *options, uint64_t max_bytes, const char *folder,
                                     svo_message *message);
@@ -193,7 +194,7 @@ SVO_API svo_status svo_parts_create(svo_device *device, const svo_mesh *mesh, un
  *
  * \param device whose memory the parts are planned for
  * \param path the file
- * \param depth of the whole tree
+ * \param depth of the whole tree, SVO_DEPTH_MIN .. SVO_PARTS_DEPTH_MAX
  * \param options of the whole tree, see svo_parts_create
  * \param max_bytes for the buffers and the host's memory of one part's build; 0: see svo_parts_create
  * \param folder is made where it is not there

@@ -15,8 +15,8 @@
  * A region is what lies under one node, down to a level: a tree of its own, whose grid is the node. The region of the
  * root with all levels is the whole tree: svo_parts_tree_save then writes the file of svo_parts_finish, byte for byte,
  * and the region of the root down to a level is what svo_tree_load gives for svo_load_options.last_level. Regions that
- * leave out anything have nodes and payload alone, no lists and no geometry. A region has at most 2^32 - 2 nodes, and
- * any tree has regions that small.
+ * leave out anything have nodes and payload alone, no lists and no geometry. A region has at most 2^32 - 2 nodes and
+ * SVO_DEPTH_MAX levels below its root, and any tree has regions that small.
  *
  * Parts are known by the plan's identity, and each by the checksum of its head when the tree was opened: a part that is
  * missing, damaged, of another plan, or another file than it was, is refused by its name. An array of a part is
@@ -33,6 +33,7 @@
 
 #include "svocl/export.h"
 #include "svocl/files.h"
+#include "svocl/part_types.h"
 #include "svocl/status.h"
 #include "svocl/tree.h"
 
@@ -55,9 +56,9 @@ typedef struct svo_parts_tree_info {
     uint64_t inner_count; /**< nodes above the deepest level */
     uint64_t leaf_count; /**< nodes of the deepest level */
     uint64_t list_count; /**< entries of all leaf lists; 0 without SVO_NEED_RAYS */
-    uint64_t level_nodes[SVO_LEVELS_MAX]; /**< nodes of each level */
-    /** The deepest level down to which the whole tree has at most 2^32 - 2 nodes, as one region can have: the depth,
-     *  where all of it can be stitched. */
+    uint64_t level_nodes[SVO_PARTS_LEVELS_MAX]; /**< nodes of each level */
+    /** The deepest level that a region of the whole tree can have: SVO_DEPTH_MAX at most, and down to it at most
+     *  2^32 - 2 nodes. The depth, where all of it can be stitched. */
     uint32_t last_level;
     uint32_t reserved; /**< 0 */
 } svo_parts_tree_info;
@@ -131,9 +132,9 @@ SVO_API svo_status svo_parts_tree_check(svo_parts_tree *tree, uint64_t count, ui
  * \param region NULL means the whole tree
  * \param out receives a tree with host arrays, on no device
  * \param message receives the reason for a failure; NULL allowed
- * \returns SVO_CAPACITY_EXCEEDED (more than 2^32 - 2 nodes or list entries; the message has the deepest level that is
- *          possible), SVO_INVALID_ARGUMENT (levels or code out of range, or no node is there), and what svo_tree_load
- *          and svo_parts_tree_open return. */
+ * \returns SVO_CAPACITY_EXCEEDED (more than SVO_DEPTH_MAX levels, or 2^32 - 2 nodes or list entries; the message has
+ *          the deepest level that is possible), SVO_INVALID_ARGUMENT (levels or code out of range, or no node is
+ *          there), and what svo_tree_load and svo_parts_tree_open return. */
 SVO_API svo_status svo_parts_tree_load(svo_parts_tree *tree, const svo_parts_region *region, svo_tree **out,
                                        svo_message *message);
 

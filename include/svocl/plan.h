@@ -22,8 +22,9 @@
 extern "C" {
 #endif
 
-#define SVO_DEPTH_MIN 1 /**< smallest depth */
-#define SVO_DEPTH_MAX 16 /**< largest depth */
+#define SVO_DEPTH_MIN       1 /**< smallest depth */
+#define SVO_DEPTH_MAX       16 /**< largest depth */
+#define SVO_PARTS_DEPTH_MAX 20 /**< largest depth of a tree in parts, each of which has SVO_DEPTH_MAX levels at most */
 
 /** A plan for one mesh on one device. */
 typedef struct svo_plan svo_plan;
@@ -85,7 +86,7 @@ typedef enum svo_builder {
 
 /** Where svo_plan_create works. The plan is the same, bit for bit. */
 typedef enum svo_place {
-    /** The host for fewer than 4,096 triangles, and on a device handle whose plans had fewer than 131,072 in all;
+    /** The host for fewer than 4,096 triangles, and on a device handle whose plans had fewer than 524,288 in all;
      *  later the device, so that small meshes do not pay for the kernels. Always the host on handles with a budget
      *  (max_device_bytes) and on devices without doubles or denormals. */
     SVO_PLACE_DEFAULT = 0,
@@ -135,7 +136,7 @@ typedef struct svo_plan_options {
     double origin[3];
     /** Width of the caller's grid, finite and above 0; or 0 for a grid fitted to the accepted triangles, see nodes.h.
      *  Triangles outside occupy nothing. Vertices must lie less than 2^29 grid units away: 512 edges, 32 at depth
-     *  16. */
+     *  16, 2 at depth 20. */
     double edge;
     /** Fragments the list has room for at first, at most 2^32 - 65537; 0: by the fragment estimate. svo_build grows it
      *  when it is too small. */
@@ -284,11 +285,12 @@ SVO_API svo_status svo_mesh_voxel_grid(const svo_mesh *mesh, double voxel_edge, 
  *
  * \param device must outlive the plan
  * \param mesh what to voxelize
- * \param depth SVO_DEPTH_MIN .. SVO_DEPTH_MAX; of a part: that of the whole tree
+ * \param depth SVO_DEPTH_MIN .. SVO_DEPTH_MAX; of a part: that of the whole tree, SVO_PARTS_DEPTH_MAX at most
  * \param options NULL means all defaults
  * \param out receives the plan
- * \returns SVO_INVALID_ARGUMENT (depth, options, missing arrays, a grid that cannot be scaled),
- *          SVO_OUT_OF_DEVICE_MEMORY (2^32 texels or more), SVO_CANCELED or SVO_OUT_OF_HOST_MEMORY on failure. */
+ * \returns SVO_INVALID_ARGUMENT (depth, options, missing arrays, a grid that cannot be scaled), SVO_CAPACITY_EXCEEDED
+ *          (payload of a surface of more than 2^33 faces of voxels), SVO_OUT_OF_DEVICE_MEMORY (2^32 texels or more),
+ *          SVO_CANCELED or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned depth,
                                    const svo_plan_options *options, svo_plan **out);
 

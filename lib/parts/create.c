@@ -17,6 +17,7 @@
 #include "parts/part_file.h"
 #include "parts/planning.h"
 #include "parts/sections.h"
+#include "pipeline/run.h"
 #include "plan/arrays.h"
 
 /* Triangles between two renewals of the lease. */
@@ -141,6 +142,9 @@ static svo_status divide(division *d)
         return svo_i_folder_no_memory(d->parts, d->message);
     }
     SVO_I_TRY(count_triangles(d, svo_i_cut_level(d->parts, d->parts->header.depth, d->parts->header.kept_triangles)));
+    if (d->parts->max_bytes == 0) {
+        SVO_I_TRY(svo_i_cut_choose_limit(d->parts, d->device, &d->list, d->message));
+    }
     SVO_I_TRY(svo_i_cut_make(d->parts, d->device, &d->list, &d->cut, d->message));
     d->sections = svo_i_alloc_zeroed(NULL, d->cut.count + 1, sizeof *d->sections);
     d->hashes = svo_i_alloc_zeroed(NULL, d->cut.count + 1, sizeof *d->hashes);
@@ -181,22 +185,17 @@ static svo_status save_mesh(const svo_parts *parts, svo_plan *plan, svo_message 
 
 /* ---- all together ---- */
 
-/* A plan of the whole mesh; sets the header and the limit. */
+/* A plan of the whole mesh; sets the header. */
 static svo_status plan_whole(svo_parts *parts, svo_device *device, const svo_mesh *mesh, unsigned depth,
                              const svo_plan_options *options, svo_plan **plan, svo_message *message)
 {
-    const svo_status status = svo_plan_create(device, mesh, depth, options, plan);
+    const svo_status status = svo_i_plan_of_parts(device, "svo_parts_create", mesh, depth, options, plan);
     if (status != SVO_OK) {
         return svo_i_fail(message, status, "%s", svo_device_message(device));
     }
     parts->header = (svo_part_header)SVO_PART_HEADER_INIT;
     if (svo_plan_get_part_header(*plan, &parts->header) != SVO_OK) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_parts_create: options.part_header is not NULL");
-    }
-    if (parts->max_bytes == 0) {
-        svo_plan_info info = SVO_PLAN_INFO_INIT;
-        (void)svo_plan_get_info(*plan, &info);
-        parts->max_bytes = svo_i_cut_share(info.peak_bytes);
     }
     return SVO_OK;
 }

@@ -31,11 +31,16 @@ typedef struct cutter {
     svo_message *message;
     const svo_i_cell_list *list;
     svo_i_cut *cut;
-    svo_plan *plans[SVO_DEPTH_MAX + 1]; /* of one triangle, by level; made when they are asked for */
-    bool is_usable[SVO_DEPTH_MAX + 1]; /* the triangle is in the part */
+    svo_plan *plans[SVO_PARTS_DEPTH_MAX + 1]; /* of one triangle, by level; made when they are asked for */
+    bool is_usable[SVO_PARTS_DEPTH_MAX + 1]; /* the triangle is in the part */
 } cutter;
 
-uint64_t svo_i_cut_share(uint64_t whole_bytes)
+uint32_t svo_i_cut_first_level(const svo_part_header *header)
+{
+    return header->depth > SVO_DEPTH_MAX ? header->depth - SVO_DEPTH_MAX : 0;
+}
+
+static uint64_t share_of(uint64_t whole_bytes)
 {
     const uint64_t share = whole_bytes / PARTS_LEAST;
     return share > PART_BYTES_LEAST ? share : PART_BYTES_LEAST;
@@ -156,7 +161,7 @@ static svo_status fits(cutter *c, uint32_t level, const svo_i_cell_sums *sums, b
     uint64_t buffer_bytes = 0;
     *bytes = svo_i_parts_least_bytes(c->parts, sums->count);
     *fit = false;
-    if (*bytes > most || level >= c->parts->header.depth) {
+    if (*bytes > most || level < svo_i_cut_first_level(&c->parts->header) || level >= c->parts->header.depth) {
         return SVO_OK;
     }
     SVO_I_TRY(predict(c, level, sums, &buffer_bytes));
@@ -227,13 +232,14 @@ svo_status svo_i_cut_choose_limit(svo_parts *parts, svo_device *device, const sv
     svo_i_cell_sums sums = svo_i_cell_list_find(list, 0, 0);
     uint64_t bytes = 0;
     uint64_t times = 1;
-    svo_status status = predict(&c, 0, &sums, &bytes);
+    const uint32_t level = svo_i_cut_first_level(&parts->header);
+    svo_status status = predict(&c, level, &sums, &bytes);
     while (status == SVO_OK && bytes == 0 && sums.count > 1) {
         sums = (svo_i_cell_sums){sums.count / 2, sums.widths / 2, sums.doubled_areas / 2};
         times *= 2;
-        status = predict(&c, 0, &sums, &bytes);
+        status = predict(&c, level, &sums, &bytes);
     }
-    parts->max_bytes = svo_i_cut_share(bytes * times);
+    parts->max_bytes = share_of(bytes * times);
     free_plans(&c);
     return status;
 }

@@ -17,10 +17,10 @@ typedef struct svo_i_cut {
     size_t count, capacity;
 } svo_i_cut;
 
-/* The limit of a part where none is given, from the buffers of the whole: a sixteenth of them, or what the least part
-   needs. */
-uint64_t svo_i_cut_share(uint64_t whole_bytes);
-/* Sets such a limit. list: with totals. */
+/* The first level with parts: a part has SVO_DEPTH_MAX levels at most. */
+uint32_t svo_i_cut_first_level(const svo_part_header *header);
+/* Sets the limit of a part where none is given, from the buffers of the whole: a sixteenth of them, or what the least
+   part needs. list: with totals. */
 svo_status svo_i_cut_choose_limit(svo_parts *parts, svo_device *device, const svo_i_cell_list *list,
                                   svo_message *message);
 /* How deep a histogram is worth it: parts of triangles, or of one surface that fills its cell. triangles: of the mesh,

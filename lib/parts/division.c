@@ -18,6 +18,7 @@
 #include "parts/job.h"
 #include "parts/planning.h"
 #include "parts/ranges.h"
+#include "pipeline/run.h"
 
 #define NAME       "svo_parts_planning_begin"
 #define RANGES_MAX 65536u
@@ -141,7 +142,7 @@ static svo_status begin_survey(svo_parts_planning *p, svo_message *message)
 {
     const svo_mesh none = {.struct_size = sizeof none};
     svo_plan_destroy(&p->empty);
-    svo_status status = svo_plan_create(p->device, &none, p->depth, &p->options, &p->empty);
+    svo_status status = svo_i_plan_of_parts(p->device, NAME, &none, p->depth, &p->options, &p->empty);
     if (status == SVO_OK) {
         status = svo_i_survey_begin(p->empty, &p->survey);
     }

@@ -20,6 +20,7 @@
 #include "core/struct_size.h"
 #include "io/file_format.h"
 #include "output/output.h"
+#include "parts/cut.h"
 #include "parts/part_file.h"
 #include "parts/planning.h"
 #include "parts/triangles.h"
@@ -195,9 +196,9 @@ static svo_status fits(const planner *p, uint32_t level, uint64_t code, uint64_t
 {
     svo_plan *plan = NULL;
     *bytes = svo_i_parts_least_bytes(p->parts, triangles);
-    *fit = *bytes <= p->parts->max_bytes;
+    *fit = *bytes <= p->parts->max_bytes && level >= svo_i_cut_first_level(&p->parts->header);
     if (!*fit) {
-        return SVO_OK; /* too large by its triangles alone, so it is not planned */
+        return SVO_OK; /* too large by its triangles or its levels alone, so it is not planned */
     }
     const svo_status status = plan_of_part(p->parts, p->device, level, code, &plan, bytes, p->message);
     svo_plan_destroy(&plan);

@@ -32,7 +32,7 @@ typedef struct layout_head {
     uint64_t layout_bytes, file_bytes;
     uint64_t identity[2];
     uint64_t piece_count, upper_count;
-    uint64_t upper_begin[SVO_LEVELS_MAX];
+    uint64_t upper_begin[SVO_LEVELS_MAX]; /* deeper trees are not stitched */
     uint32_t owners[FILE_CHUNKS_MAX];
 } layout_head;
 
@@ -256,6 +256,7 @@ static bool is_whole(const svo_parts *parts, const layout_head *head, size_t byt
     const layout_piece *pieces = (const layout_piece *)(head + 1);
     const uint32_t depth = parts->header.depth;
     bool whole =
+        depth <= SVO_DEPTH_MAX &&
         byte_count == sizeof *head + head->piece_count * sizeof *pieces + head->upper_count * sizeof(layout_upper) &&
         head->upper_begin[depth] == head->upper_count;
     for (uint32_t level = 0; level < depth; ++level) {

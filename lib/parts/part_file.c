@@ -367,8 +367,8 @@ static svo_status check_place(const svo_i_part_reader *reader, const svo_part_he
         return is_mesh && head->is_mesh == 1 ? SVO_OK
                                              : svo_i_part_damaged(reader, is_mesh ? "not a mesh" : "not a part");
     }
-    if (head->level >= header->depth || head->code >> (3 * head->level) != 0 ||
-        !has_levels(head, header->depth - head->level)) {
+    if (head->level >= header->depth || header->depth - head->level > SVO_DEPTH_MAX ||
+        head->code >> (3 * head->level) != 0 || !has_levels(head, header->depth - head->level)) {
         return svo_i_part_damaged(reader, "its place or its levels are none of the tree's");
     }
     return SVO_OK;
@@ -456,10 +456,11 @@ svo_status svo_i_part_header_read(const char *function, const svo_part_header *g
     }
     SVO_I_TRY(svo_i_struct_read(message, function, "header", given, header,
                                 SVO_I_STRUCT_SIZES(svo_part_header, expected_nodes)));
-    return header->depth >= SVO_DEPTH_MIN && header->depth <= SVO_DEPTH_MAX && header->payload_level <= header->depth
+    return header->depth >= SVO_DEPTH_MIN && header->depth <= SVO_PARTS_DEPTH_MAX &&
+                   header->payload_level <= header->depth
                ? SVO_OK
                : svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: header.depth %u is not in %d .. %d", function,
-                            header->depth, SVO_DEPTH_MIN, SVO_DEPTH_MAX);
+                            header->depth, SVO_DEPTH_MIN, SVO_PARTS_DEPTH_MAX);
 }
 
 static svo_part_info info_of(const svo_part_header *header, const part_head *head)

@@ -169,10 +169,10 @@ cleanup:
     return status;
 }
 
-/* The code of a part's first leaf on a grid of the largest depth. */
+/* The code of a part's first leaf on a grid of SVO_PARTS_DEPTH_MAX. */
 static uint64_t first_leaf(const svo_i_piece *piece)
 {
-    return piece->code << (3 * (SVO_DEPTH_MAX - piece->level));
+    return piece->code << (3 * (SVO_PARTS_DEPTH_MAX - piece->level));
 }
 
 static int compare_pieces(const void *a, const void *b)
@@ -186,7 +186,8 @@ static svo_status check_overlap(const svo_i_pieces *all)
 {
     for (size_t i = 1; i < all->piece_count; ++i) {
         const svo_i_piece *before = &all->pieces[i - 1];
-        if (first_leaf(&all->pieces[i]) - first_leaf(before) < UINT64_C(1) << (3 * (SVO_DEPTH_MAX - before->level))) {
+        if (first_leaf(&all->pieces[i]) - first_leaf(before) < UINT64_C(1)
+                                                                   << (3 * (SVO_PARTS_DEPTH_MAX - before->level))) {
             return svo_i_fail(all->message, SVO_FILE_DAMAGED, "%s: overlaps %s", all->pieces[i].path, before->path);
         }
     }
@@ -331,7 +332,7 @@ uint64_t svo_i_pieces_count_level(const svo_i_pieces *all, uint32_t level)
 
 svo_status svo_i_pieces_count(const svo_i_pieces *all, svo_tree_info *info)
 {
-    uint64_t begin[SVO_LEVELS_MAX] = {0};
+    uint64_t begin[SVO_PARTS_LEVELS_MAX] = {0};
     const uint32_t depth = all->header.depth;
     for (uint32_t level = 0; level <= depth; ++level) {
         begin[level + 1] = begin[level] + svo_i_pieces_count_level(all, level);
@@ -339,6 +340,12 @@ svo_status svo_i_pieces_count(const svo_i_pieces *all, svo_tree_info *info)
     for (size_t i = 0; i < all->piece_count; ++i) {
         info->fragments += all->pieces[i].fragments;
         info->list_count += all->pieces[i].list_count;
+    }
+    if (depth > SVO_DEPTH_MAX) {
+        return svo_i_fail(all->message, SVO_CAPACITY_EXCEEDED,
+                          "svo_parts_stitch: depth %" PRIu32 " is above the %d of a .svo file; the folder of parts is "
+                          "a tree in itself (svocl info, hash, render --paged, convert --levels or --region)",
+                          depth, SVO_DEPTH_MAX);
     }
     if (begin[depth + 1] > PIECES_NODES_MAX || info->list_count > PIECES_NODES_MAX) {
         return svo_i_fail(all->message, SVO_CAPACITY_EXCEEDED,
@@ -358,7 +365,7 @@ svo_status svo_i_pieces_count(const svo_i_pieces *all, svo_tree_info *info)
 
 svo_status svo_i_pieces_visit_all(const svo_i_pieces *all, svo_i_piece_visitor visit, void *user)
 {
-    size_t next[SVO_LEVELS_MAX];
+    size_t next[SVO_PARTS_LEVELS_MAX];
     memcpy(next, all->upper_begin, sizeof next);
     if (all->piece_count == 0) {
         return visit(user, 0, all->uppers, NULL);

@@ -51,7 +51,7 @@ typedef struct svo_i_pieces {
     svo_i_piece *pieces; /* in Morton order, without overlap */
     size_t piece_count;
     svo_i_upper_node *uppers; /* level by level */
-    size_t upper_begin[SVO_LEVELS_MAX];
+    size_t upper_begin[SVO_PARTS_LEVELS_MAX];
 } svo_i_pieces;
 
 /* Reads the heads of part files and makes the nodes above them. To be freed also after a failure. header and message

@@ -8,6 +8,7 @@
 #include "core/memory.h"
 #include "core/message.h"
 #include "parts/triangles.h"
+#include "pipeline/run.h"
 
 /* A range on its way. */
 typedef struct passing {
@@ -240,7 +241,8 @@ static svo_status run_step(passing *p)
 static svo_status run(passing *p)
 {
     const svo_mesh none = {.struct_size = sizeof none};
-    svo_status status = svo_plan_create(p->device, &none, p->task->depth, &p->task->options, &p->empty);
+    svo_status status =
+        svo_i_plan_of_parts(p->device, "svo_parts_planning_work", &none, p->task->depth, &p->task->options, &p->empty);
     if (status == SVO_OK) {
         status = svo_i_survey_begin(p->empty, &p->survey);
     }

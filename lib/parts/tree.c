@@ -42,7 +42,8 @@ uint32_t svo_i_parts_tree_last_level(const svo_parts_tree *tree)
     uint64_t nodes = 0;
     uint32_t level = 0;
     const uint32_t depth = tree->all.header.depth;
-    while (level <= depth && nodes + svo_i_parts_tree_nodes(tree, level) <= tree->nodes_max) {
+    const uint32_t most = depth < SVO_DEPTH_MAX ? depth : SVO_DEPTH_MAX;
+    while (level <= most && nodes + svo_i_parts_tree_nodes(tree, level) <= tree->nodes_max) {
         nodes += svo_i_parts_tree_nodes(tree, level++);
     }
     return level - 1;
@@ -565,7 +566,7 @@ static void hash_head(hashing *h)
 {
     const svo_tree_info *info = &h->info.tree;
     const uint32_t words[3] = {info->depth, info->coverage, info->is_exact != 0 ? 0 : info->snap_bits};
-    uint64_t begin[SVO_LEVELS_MAX] = {0};
+    uint64_t begin[SVO_PARTS_LEVELS_MAX] = {0};
     for (uint32_t level = 0; level <= info->depth; ++level) {
         begin[level + 1] = begin[level] + h->info.level_nodes[level];
     }

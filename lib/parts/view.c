@@ -38,7 +38,13 @@ static svo_status read_region(const char *function, const svo_parts_tree *tree, 
                           "%s: region %" PRIu32 "-%" PRIx64 " is no node above level %" PRIu32, function, region->level,
                           region->code, region->last_level);
     }
-    return SVO_OK;
+    const uint32_t levels = region->last_level - region->level;
+    return levels <= SVO_DEPTH_MAX
+               ? SVO_OK
+               : svo_i_fail(tree->message, SVO_CAPACITY_EXCEEDED,
+                            "%s: from level %" PRIu32 " to level %" PRIu32 " are more than %d levels; down to level "
+                            "%" PRIu32 " is possible, or the region of a node below",
+                            function, region->level, region->last_level, SVO_DEPTH_MAX, region->level + SVO_DEPTH_MAX);
 }
 
 static svo_status no_node(const char *function, const svo_parts_tree *tree, const svo_parts_region *region)
@@ -149,7 +155,7 @@ static svo_status take_info(svo_i_parts_view *view, const char *function, const 
     for (size_t i = 0; i < tree->all.piece_count && region->level == 0; ++i) {
         info->fragments += tree->all.pieces[i].fragments;
     }
-    if (region->level > 0) {
+    if (region->level > 0 || header->depth > SVO_DEPTH_MAX) {
         take_grid(info, region);
     }
     return SVO_OK;

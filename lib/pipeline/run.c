@@ -295,7 +295,7 @@ static svo_status create(svo_device *device, const char *function, const svo_i_p
     stages.rows = svo_i_stage_table(&stages.count);
     SVO_I_TRY(svo_i_plan_new(device, function, input, depth, options, &stages, &plan));
     SVO_I_TRY_CLEANUP(svo_i_progress_reach(plan, SVO_STAGE_GRID, 1.0));
-    SVO_I_TRY_CLEANUP(svo_i_predict(plan));
+    SVO_I_TRY_CLEANUP(input->is_of_parts ? SVO_OK : svo_i_predict(plan));
     SVO_I_TRY_CLEANUP(svo_i_progress_end(plan, SVO_STAGE_GRID));
     *out = plan;
     return SVO_OK;
@@ -304,15 +304,26 @@ cleanup:
     return status;
 }
 
-svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
-                           svo_plan **out)
+static svo_status create_from_mesh(svo_device *device, const char *function, const svo_mesh *mesh, bool is_of_parts,
+                                   unsigned depth, const svo_plan_options *options, svo_plan **out)
 {
-    static const char function[] = "svo_plan_create";
-    svo_i_plan_input input = {0};
+    svo_i_plan_input input = {.is_of_parts = is_of_parts};
     SVO_I_TRY(check_arguments(device, function, "mesh", mesh, out));
     SVO_I_TRY(svo_i_struct_read(&device->message, function, "mesh", mesh, &input.mesh,
                                 SVO_I_STRUCT_SIZES(svo_mesh, triangle_count)));
     return create(device, function, &input, depth, options, out);
+}
+
+svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
+                           svo_plan **out)
+{
+    return create_from_mesh(device, "svo_plan_create", mesh, false, depth, options, out);
+}
+
+svo_status svo_i_plan_of_parts(svo_device *device, const char *function, const svo_mesh *mesh, unsigned depth,
+                               const svo_plan_options *options, svo_plan **out)
+{
+    return create_from_mesh(device, function, mesh, true, depth, options, out);
 }
 
 svo_status svo_plan_create_from_buffers(svo_device *device, const svo_mesh_buffers *buffers, unsigned depth,

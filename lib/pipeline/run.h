@@ -45,6 +45,10 @@ svo_status svo_i_compile_frontend(svo_i_build *build);
 
 SVO_I_SHARED_BEGIN
 
+/* A plan of the whole, for the header of its parts: as svo_plan_create, but up to SVO_PARTS_DEPTH_MAX, and without a
+   prediction, since it is not built. function: for messages. */
+svo_status svo_i_plan_of_parts(svo_device *device, const char *function, const svo_mesh *mesh, unsigned depth,
+                               const svo_plan_options *options, svo_plan **out);
 /* Fills the plan's list of buffers with a prediction, and sets its predicted_bytes. */
 svo_status svo_i_predict(svo_plan *plan);
 

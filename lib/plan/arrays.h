@@ -26,6 +26,7 @@ typedef struct svo_i_plan_input {
     cl_command_queue queue; /* NULL: the device's own */
     cl_uint wait_count;
     const cl_event *wait;
+    bool is_of_parts; /* the plan is for the header of parts: the tree may be as deep as theirs, and is not built */
 } svo_i_plan_input;
 
 /* Gets the arrays that the request reads. Positions and indices: always. need: resolved svo_need bits. */

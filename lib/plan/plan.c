@@ -189,6 +189,27 @@ uint32_t svo_i_plan_snap_bits(uint32_t depth)
     return depth <= SNAP_BITS_DEPTH_MAX ? SNAP_BITS : depth + DEEP_VOXEL_LOG2;
 }
 
+/* Trees deeper than SVO_DEPTH_MAX are there in parts alone, and are never loaded as a whole, as lists require. */
+static svo_status check_depth(svo_device *device, const char *function, uint32_t depth, bool is_of_parts,
+                              const svo_plan_options *options)
+{
+    const bool is_part = options->part_header != NULL;
+    const uint32_t most = is_part || is_of_parts ? SVO_PARTS_DEPTH_MAX : SVO_DEPTH_MAX;
+    if (depth < SVO_DEPTH_MIN || depth > most) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: depth %u is not in %d .. %u", function, depth,
+                                 SVO_DEPTH_MIN, most);
+    }
+    if (is_part && options->part_level < depth && depth - options->part_level > SVO_DEPTH_MAX) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "%s: a part of options.part_level %u has %u levels, above %d", function,
+                                 options->part_level, depth - options->part_level, SVO_DEPTH_MAX);
+    }
+    return depth <= SVO_DEPTH_MAX || (options->need & SVO_NEED_RAYS) == 0
+               ? SVO_OK
+               : svo_i_device_fail(device, SVO_UNSUPPORTED, "%s: options.need has rays, and depth %u is above %d",
+                                   function, depth, SVO_DEPTH_MAX);
+}
+
 /* Why a header cannot be that of a tree of that depth, or NULL. */
 static const char *wrong_header(const svo_part_header *header, uint32_t depth)
 {
@@ -198,7 +219,8 @@ static const char *wrong_header(const svo_part_header *header, uint32_t depth)
     if (header->snap_bits != svo_i_plan_snap_bits(depth) || header->coverage > SVO_COVERAGE_THIN ||
         header->weights > SVO_WEIGHTS_CENTER || header->payload_level > depth ||
         (header->need & ~(uint32_t)SVO_NEED_ALL) != 0 || (header->constant & ~header->need) != 0 ||
-        header->weight_log2 > WEIGHT_LOG2_MAX || header->least_alpha > UINT8_MAX) {
+        header->weight_log2 > WEIGHT_LOG2_MAX || header->least_alpha > UINT8_MAX ||
+        (depth > SVO_DEPTH_MAX && (header->need & SVO_NEED_RAYS) != 0)) {
         return "has values that no plan has";
     }
     const bool has_grid = isfinite(header->origin[0]) && isfinite(header->origin[1]) && isfinite(header->origin[2]) &&
@@ -385,12 +407,9 @@ svo_status svo_i_plan_new(svo_device *device, const char *function, const svo_i_
                           const svo_plan_options *options, const svo_i_stage_list *stages, svo_plan **out)
 {
     svo_plan_options asked;
-    if (depth < SVO_DEPTH_MIN || depth > SVO_DEPTH_MAX) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: depth %u is not in %d .. %d", function, depth,
-                                 SVO_DEPTH_MIN, SVO_DEPTH_MAX);
-    }
     SVO_I_TRY(svo_i_struct_read(&device->message, function, "options", options, &asked,
                                 SVO_I_STRUCT_SIZES(svo_plan_options, coverage)));
+    SVO_I_TRY(check_depth(device, function, depth, input->is_of_parts, &asked));
     svo_i_plan_part part = {.level = 0};
     SVO_I_TRY(read_part(device, function, depth, &asked, &part));
     SVO_I_TRY(check_input(device, function, input, &asked));

@@ -298,7 +298,7 @@ def test_a_tree_above_the_nodes_of_a_file(mesh_file, whole, tmp_path):
     command = [sys.executable, "-m", "svocl.distributed", str(square), "-d", "16", "-o", str(path)]
     done = subprocess.run([*command, "--max-memory", "1G"], stderr=subprocess.PIPE, text=True, timeout=SECONDS)
     # 65536^2 leaves and a third of that above them.
-    found = re.search(r"about (\d+) nodes are expected at depth 16, above 2\^32 - 2 .*svocl.PartsTree", done.stderr)
+    found = re.search(r"about (\d+) nodes are expected at depth 16; .*at most 2\^32 - 2 .*svocl.PartsTree", done.stderr)
     assert done.returncode == 1 and found
     assert int(found[1]) == pytest.approx(65536**2 * 4 / 3, rel=1e-4)
     assert not list(tmp_path.glob("square.svo*"))
@@ -388,6 +388,17 @@ def test_workers_killed(pool, mesh_file, whole, tmp_path):
     assert code == 0 and [worker.wait(SECONDS) for worker in killed] == [-signal.SIGKILL] * 2
     assert re.search(r"the worker tcp://\S+ is gone", errors)
     expect_tree(tmp_path / "tree.svo", whole)
+
+
+def test_damaged_triangles(pool, mesh_file, whole, tmp_path):
+    """Nobody can build the part; the same command plans again, which writes them."""
+    path = tmp_path / "tree.svo"
+    pool.worker(f"at=3 damage=1 once={tmp_path / 'once'}")
+    code, _, errors = run(mesh_file, path, "--scheduler", pool.address)
+    assert code == 75 and "planning the parts again writes" in errors and "the same command does so" in errors
+    code, document, _ = run(mesh_file, path, "--scheduler", pool.address)
+    assert code == 0 and document["kept"] >= 2
+    expect_tree(path, whole)
 
 
 @long

@@ -3,10 +3,11 @@
 
 SVOCL_FAULT has key=value pairs. at: the worker's part, from 1 on, or name: the part's name. signal: its number. pid:
 the process that gets it, the worker by default. when: before, amid or after the part. once: a file; the first worker
-that makes it gets the fault. slow: seconds that every part and every share takes longer. share: in place of at, the
-worker's share of the file, amid which it strikes.
+that makes it gets the fault. damage: in place of a signal, the triangles of the part lose a byte. slow: seconds that
+every part and every share takes longer. share: in place of at, the worker's share of the file, amid which it strikes.
 """
 
+import glob
 import os
 import signal
 import threading
@@ -24,7 +25,7 @@ _count = 0
 def _is_due(work):
     global _count
     _count += 1
-    if "signal" not in _fault or not (_fault.get("at") == str(_count) or _fault.get("name") == work.name):
+    if not {"signal", "damage"} & set(_fault) or not (_fault.get("at") == str(_count) or _fault.get("name") == work.name):
         return False
     try:
         if "once" in _fault:
@@ -40,7 +41,10 @@ def _strike():
 
 def _faulty_build(work, folder):
     when = _fault.get("when", "before") if _is_due(work) else ""
-    if when == "before":
+    if when and "damage" in _fault:
+        (path,) = glob.glob(os.path.join(glob.escape(folder), "*", f"{work.name}.tri"))
+        os.truncate(path, os.path.getsize(path) - 1)
+    elif when == "before":
         _strike()
     elif when == "amid":
         threading.Timer(0.005, _strike).start()

@@ -245,13 +245,40 @@ static void what_is_no_triangle_is_left_out(void **state)
     assert_int_equal(pairs.pairs[0].code, 0);
     assert_int_equal(pairs.pairs[0].triangle, 2);
     oracle_pairs_free(&pairs);
-    space.depth = ORACLE_DEPTH_MAX + 1;
+    space.depth = ORACLE_EXACT_DEPTH_MAX + 1;
     assert_false(oracle_exact_enumerate(&mesh, &space, ORACLE_HALF_OPEN, &pairs));
     space = (oracle_space){{0.0, (double)INFINITY, 0.0}, 1.0, 1};
     assert_false(oracle_exact_enumerate(&mesh, &space, ORACLE_HALF_OPEN, &pairs));
     space = (oracle_space){{0.0, 0.0, 0.0}, 0.0, 1};
     assert_false(oracle_exact_enumerate(&mesh, &space, ORACLE_HALF_OPEN, &pairs));
     assert_null(pairs.pairs);
+}
+
+/* Lists below the nodes of a level are that of the whole, cut. */
+static void lists_below_nodes(void **state)
+{
+    static const double positions[] = {0.1,  0.1, 0.1, 0.9, 0.2, 0.5, 0.3, 0.8, 0.7,
+                                       -1.0, 0.5, 0.5, 2.0, 0.5, 0.5, 0.5, 2.0, 0.6};
+    const oracle_positions mesh = {positions, 6, NULL, 2};
+    const oracle_space space = {{0.0, 0.0, 0.0}, 1.0, 5};
+    (void)state;
+    for (int c = 0; c < 3; ++c) {
+        oracle_pairs whole, below;
+        size_t seen = 0;
+        assert_true(oracle_exact_enumerate(&mesh, &space, coverages[c], &whole));
+        for (uint64_t code = 0; code < 64; ++code) {
+            assert_true(oracle_exact_enumerate_below(&mesh, &space, coverages[c], 2, code, &below));
+            for (size_t i = 0; i < below.count; ++i, ++seen) {
+                assert_memory_equal(&below.pairs[i].code, &whole.pairs[seen].code, sizeof below.pairs[i].code);
+                assert_int_equal(below.pairs[i].triangle, whole.pairs[seen].triangle);
+                assert_int_equal(below.pairs[i].code >> 9, code);
+            }
+            oracle_pairs_free(&below);
+        }
+        assert_int_equal(seen, whole.count);
+        assert_false(oracle_exact_enumerate_below(&mesh, &space, coverages[c], 2, 64, &below));
+        oracle_pairs_free(&whole);
+    }
 }
 
 TEST_GROUP(oracle_exact)
@@ -272,6 +299,7 @@ TEST_GROUP(oracle_exact)
         cmocka_unit_test(fitted_grids_place_planes),
         cmocka_unit_test(integers_are_their_own_snapped_mesh),
         cmocka_unit_test(what_is_no_triangle_is_left_out),
+        cmocka_unit_test(lists_below_nodes),
     };
     const char *seed_text = getenv("SVOCL_TEST_SEED");
     const uint64_t seed = seed_text != NULL ? strtoull(seed_text, NULL, 10) : 20240607;

@@ -713,9 +713,9 @@ static void test_bad_requests(void **state)
     free(file.at);
     char path[PATH_BYTES];
     name_of("b.stl", path);
-    assert_int_equal(svo_parts_create_from_file(opened.device, path, 17, NULL, LIMIT, "b", &message),
+    assert_int_equal(svo_parts_create_from_file(opened.device, path, 21, NULL, LIMIT, "b", &message),
                      SVO_INVALID_ARGUMENT);
-    assert_non_null(strstr(message.text, "depth 17"));
+    assert_non_null(strstr(message.text, "depth 21"));
 }
 
 TEST_GROUP(parts_file)

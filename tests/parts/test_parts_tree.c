@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -364,6 +365,151 @@ static void test_more_than_numbers(void **state)
     end_folder(&f);
 }
 
+/* ---- deeper than a file can be ---- */
+
+#define DEEP_LEVELS 6 /* of a region */
+
+/* A folder of the whole grid, in which the mesh's unit cube begins so many edges of regions from the corner, and parts
+   are built of. */
+static void make_deep(void **state, deep_folder *f, const svo_mesh *mesh, unsigned depth, double place,
+                      svo_plan_options *options)
+{
+    svo_message message;
+    *f = (deep_folder){.device = fixture_cl_of_group(state).device};
+    name_of("deep.svo.parts", f->folder);
+    options->edge = ldexp(1.0, (int)depth - DEEP_LEVELS);
+    for (int axis = 0; axis < 3; ++axis) {
+        options->origin[axis] = -place;
+    }
+    check(svo_parts_create(f->device, mesh, depth, options, LIMIT, f->folder, &message), &message);
+    check(svo_parts_open(f->folder, &f->parts, &message), &message);
+    build_parts(f);
+    check(svo_parts_tree_open(f->folder, &f->tree, &message), &message);
+}
+
+/* The region of a cell must be the tree that is built on the cell's grid, which starts at origin. */
+static void compare_with_build(deep_folder *f, const svo_mesh *mesh, const uint32_t cell[3], const double origin[3],
+                               const svo_plan_options *whole, svo_hash_scope scope)
+{
+    svo_message message;
+    svo_plan *plan = NULL;
+    svo_tree *alone = NULL, *region_tree = NULL;
+    svo_parts_tree_info info = SVO_PARTS_TREE_INFO_INIT;
+    svo_parts_region region = SVO_PARTS_REGION_INIT;
+    svo_plan_options options = *whole;
+    char own[SVO_HASH_TEXT_BYTES], expected[SVO_HASH_TEXT_BYTES];
+    options.edge = 1.0;
+    memcpy(options.origin, origin, sizeof options.origin);
+    assert_int_equal(svo_plan_create(f->device, mesh, DEEP_LEVELS, &options, &plan), SVO_OK);
+    assert_int_equal(svo_build(plan, NULL, NULL, &alone, NULL), SVO_OK);
+    assert_int_equal(svo_tree_download(alone, NULL), SVO_OK);
+    check(svo_parts_tree_get_info(f->tree, &info, &message), &message);
+    region.level = info.tree.depth - DEEP_LEVELS;
+    region.code = svo_interleave(cell);
+    check(svo_parts_tree_load(f->tree, &region, &region_tree, &message), &message);
+    assert_int_equal(svo_tree_hash(region_tree, scope, own), SVO_OK);
+    assert_int_equal(svo_tree_hash(alone, scope, expected), SVO_OK);
+    assert_string_equal(own, expected);
+    assert_true(info_of(alone).leaf_count > 100);
+    svo_tree_destroy(&region_tree);
+    svo_tree_destroy(&alone);
+    svo_plan_destroy(&plan);
+}
+
+static void end_deep(deep_folder *f)
+{
+    svo_message message;
+    svo_parts_tree_close(&f->tree);
+    svo_parts_close(&f->parts);
+    check(svo_parts_remove(f->folder, &message), &message);
+}
+
+/* Below a node far from the origin lies what a build on that node's grid makes, payload too, by whoever plans. */
+static void test_far_regions(void **state)
+{
+    static const svo_coverage coverages[] = {SVO_COVERAGE_HALF_OPEN, SVO_COVERAGE_CLOSED, SVO_COVERAGE_THIN};
+    static const svo_place places[] = {SVO_PLACE_HOST, SVO_PLACE_DEVICE, SVO_PLACE_HOST};
+    static const unsigned depths[] = {17, 19, SVO_PARTS_DEPTH_MAX};
+    static const double corner[3] = {0};
+    attributed_mesh made;
+    attributed_mesh_create(7, 60, 0.0, &made);
+    for (size_t i = 0; i < 3; ++i) {
+        deep_folder f;
+        svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+        const uint32_t last = (1u << (depths[i] - DEEP_LEVELS)) - 1u;
+        const uint32_t cell[3] = {last, last, last};
+        options.coverage = coverages[i];
+        options.need = (uint32_t)SVO_NEED_ALL & ~(uint32_t)(SVO_NEED_RAYS | SVO_NEED_PROJECTED_AREA);
+        options.place = places[i];
+        make_deep(state, &f, &made.mesh, depths[i], last, &options);
+        options.place = SVO_PLACE_DEFAULT;
+        compare_with_build(&f, &made.mesh, cell, corner, &options, SVO_HASH_ALL);
+        end_deep(&f);
+    }
+    attributed_mesh_destroy(&made);
+}
+
+/* A mesh in the middle of the grid, an eighth of it below each of eight nodes. */
+static void test_regions_side_by_side(void **state)
+{
+    deep_folder f;
+    owned_mesh mesh;
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    const uint32_t middle = 1u << (SVO_PARTS_DEPTH_MAX - DEEP_LEVELS - 1);
+    random_mesh(5, 60, 0.0, &mesh);
+    options.need = SVO_NEED_NONE;
+    make_deep(state, &f, &mesh.mesh, SVO_PARTS_DEPTH_MAX, middle - 0.5, &options);
+    for (uint32_t octant = 0; octant < 8; ++octant) {
+        uint32_t cell[3];
+        double origin[3];
+        for (uint32_t axis = 0; axis < 3; ++axis) {
+            cell[axis] = middle - 1 + (octant >> axis & 1u);
+            origin[axis] = -0.5 + (octant >> axis & 1u);
+        }
+        compare_with_build(&f, &mesh.mesh, cell, origin, &options, SVO_HASH_NODES);
+    }
+    end_deep(&f);
+    owned_mesh_free(&mesh);
+}
+
+/* What needs more than the levels of a file is refused, and levels that a file can have are not. */
+static void test_too_deep(void **state)
+{
+    deep_folder f;
+    owned_mesh mesh;
+    svo_message message;
+    svo_tree *loaded = NULL;
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    svo_parts_tree_info info = SVO_PARTS_TREE_INFO_INIT;
+    svo_parts_region region = SVO_PARTS_REGION_INIT;
+    random_mesh(5, 20, 0.0, &mesh);
+    make_deep(state, &f, &mesh.mesh, SVO_PARTS_DEPTH_MAX, 3.0, &options);
+    check(svo_parts_tree_get_info(f.tree, &info, &message), &message);
+    assert_int_equal(info.last_level, SVO_DEPTH_MAX);
+    assert_int_equal(info.level_nodes[SVO_PARTS_DEPTH_MAX], info.leaf_count);
+    assert_int_equal(svo_parts_tree_load(f.tree, NULL, &loaded, &message), SVO_CAPACITY_EXCEEDED);
+    assert_non_null(strstr(message.text, "down to level 16 is possible"));
+    assert_int_equal(svo_parts_finish(f.parts, path_of("deep.svo"), &message), SVO_CAPACITY_EXCEEDED);
+    assert_non_null(strstr(message.text, "depth 20 is above the 16 of a .svo file"));
+    assert_int_equal(svo_parts_shares_begin(f.parts, 2, &message), SVO_CAPACITY_EXCEEDED);
+    region.last_level = info.last_level;
+    check(svo_parts_tree_load(f.tree, &region, &loaded, &message), &message);
+    assert_int_equal(info_of(loaded).leaf_count, info.level_nodes[SVO_DEPTH_MAX]);
+    svo_tree_destroy(&loaded);
+    options.need = SVO_NEED_RAYS;
+    assert_int_equal(svo_parts_create(f.device, &mesh.mesh, 17, &options, LIMIT, f.folder, &message), SVO_UNSUPPORTED);
+    assert_non_null(strstr(message.text, "options.need has rays, and depth 17 is above 16"));
+    assert_int_equal(svo_parts_create(f.device, &mesh.mesh, 21, NULL, LIMIT, f.folder, &message), SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(message.text, "depth 21 is not in 1 .. 20"));
+    options.need = SVO_NEED_NORMAL;
+    memset(options.origin, 0, sizeof options.origin);
+    options.edge = 1.0; /* the triangles are as large as the grid */
+    assert_int_equal(svo_parts_create(f.device, &mesh.mesh, 20, &options, LIMIT, f.folder, &message),
+                     SVO_CAPACITY_EXCEEDED);
+    end_deep(&f);
+    owned_mesh_free(&mesh);
+}
+
 /* ---- parts that are not those of the tree ---- */
 
 static void find_part(const deep_folder *f, size_t index, char path[PATH_BYTES + 48])
@@ -491,6 +637,9 @@ TEST_GROUP(parts_tree)
         cmocka_unit_test(test_levels),
         cmocka_unit_test(test_regions),
         cmocka_unit_test(test_more_than_numbers),
+        cmocka_unit_test(test_far_regions),
+        cmocka_unit_test(test_regions_side_by_side),
+        cmocka_unit_test(test_too_deep),
         cmocka_unit_test(test_parts_of_others),
         cmocka_unit_test(test_part_that_changes),
         cmocka_unit_test(test_bad_regions),

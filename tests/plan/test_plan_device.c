@@ -277,6 +277,9 @@ static void plans_move_to_the_device_after_enough_triangles(void **state)
         svo_place place;
     } steps[] = {{small, SVO_PLACE_HOST},
                  {least, SVO_PLACE_HOST},
+                 {large, SVO_PLACE_HOST}, /* 131,072 triangles each */
+                 {large, SVO_PLACE_HOST},
+                 {large, SVO_PLACE_HOST},
                  {large, SVO_PLACE_DEVICE},
                  {small, SVO_PLACE_DEVICE},
                  {least, SVO_PLACE_HOST}};

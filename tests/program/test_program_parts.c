@@ -388,6 +388,27 @@ static void folders_are_trees(void **state)
     run_well("rm -r a.svo c.svo d.svo b.svo.parts a.png b.png a.csv b.csv");
 }
 
+/* Deeper than a file can be: the parts are those of the mesh, by the exact reference, and of no other. */
+static void deep_folders_are_compared(void **state)
+{
+    (void)state;
+    run_well("$SVOCL parts plan scene:statue:2000 -d 20 --need none --origin=-8190,-8190,-8190 --edge 16384"
+             " --max-memory 4M -o b.svo -q && $SVOCL parts build b.svo.parts -q");
+    cJSON *found = run_json("$SVOCL verify scene:statue:2000 --parts b.svo.parts --sample 20 --json");
+    assert_true(number_of(found, "regions") == 20 && number_of(found, "expected_voxels") > 1000);
+    assert_true(cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(found, "exact")));
+    cJSON_Delete(found);
+    run_badly("$SVOCL verify scene:statue:2500 --parts b.svo.parts --sample 20 -q", 1, "not exact: ");
+    run_badly("$SVOCL verify scene:statue:2000 --parts b.svo.parts -d 8", 2, "--depth does not apply with --parts");
+    run_badly("$SVOCL verify scene:statue:2000 --sample 20", 2, "--sample requires --parts");
+    run_badly("$SVOCL verify scene:statue:2000 --parts none", 1, "none/plan");
+    run_badly("$SVOCL parts stitch b.svo.parts", 1, "depth 20 is above the 16 of a .svo file");
+    run_badly("$SVOCL hash b.svo.parts --region 3-0", 1, "from level 3 to level 20 are more than 16 levels");
+    run_badly("$SVOCL build scene:cube -d 17 --max-memory 1M -o a.svo", 2, "depth 17 is above 16; svocl parts plan");
+    run_badly("$SVOCL parts plan scene:cube -d 21 -o a.svo", 2, "depth 21 is above 20");
+    run_well("$SVOCL render b.svo.parts --paged 1M -q -o b.png --size 64x48 && rm -r b.png b.svo.parts");
+}
+
 /* A mesh without a valid triangle leaves no folder; where one cannot be removed, that is said too. */
 static void a_folder_that_stays_is_named(void **state)
 {
@@ -443,6 +464,7 @@ TEST_GROUP(program_parts)
         IN_FOLDER(parts_of_other_trees_are_replaced),
         IN_FOLDER(mesh_files_are_read_in_blocks),
         IN_FOLDER(folders_are_trees),
+        IN_FOLDER(deep_folders_are_compared),
         IN_FOLDER(a_folder_that_stays_is_named),
         IN_FOLDER(wrong_usage_is_refused),
     };

@@ -71,13 +71,14 @@ static const command commands[] = {
      .examples = EXAMPLES("diff golden.svo model.svo", "diff golden.svo scene:cube -d 9 --picture difference.png")},
     {.name = "verify",
      .in_lab = true,
-     .groups = BUILDS | OPTION_FORM | OPTION_SOLID | OPTION_UNFOLDED,
+     .groups = BUILDS | OPTION_FORM | OPTION_SOLID | OPTION_UNFOLDED | OPTION_PARTS_CHECK,
      .input_name = "INPUT",
      .needs_input = true,
      .summary = "Builds the octree and compares it with the exact reference.",
      .reads_file = true,
      .examples =
-         EXAMPLES("verify scene:knot:20000 -d 8", "verify scene:knot:20000 -d 8 --tree-form all --solid winding")},
+         EXAMPLES("verify scene:knot:20000 -d 8", "verify scene:knot:20000 -d 8 --tree-form all --solid winding",
+                  "verify scan.ply --parts scan.svo.parts --sample 200")},
     {.name = "convert",
      .groups = BUILDS | OPTION_VOXELS | OPTION_CONVERT_COMMAND | OPTION_LEVELS | OPTION_SOLID | OPTION_TREE_FORM |
                OPTION_UNFOLDED,

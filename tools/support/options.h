@@ -57,6 +57,7 @@ enum option_group {
 #define OPTION_DISTANCES    ((uint64_t)1 << 36) /* sign, margin */
 #define OPTION_MESH_COMMAND ((uint64_t)1 << 37) /* iso, colors */
 #define OPTION_EDIT_COMMAND ((uint64_t)1 << 38) /* a second argument, the script; the memory of nodes */
+#define OPTION_PARTS_CHECK  ((uint64_t)1 << 39) /* verify: parts, sample, seed */
 
 enum option_frontend {
     OPTION_FRONTEND_AUTO = 0,
@@ -156,6 +157,7 @@ typedef struct options {
     uint64_t payload_level; /* build */
     uint64_t last_level; /* of a .svo file; 0: all */
     uint64_t sample; /* parts that are checked; 0: all */
+    const char *parts_path; /* verify: the folder that is compared */
     const char *region; /* of a folder of parts, LEVEL-CODE; NULL: all */
     bool has_repeat;
     int tree_form; /* 0: as built, else 1 + svo_form; verify: or OPTION_FORM_ALL */

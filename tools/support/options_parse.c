@@ -2,6 +2,7 @@
 /* The parser and the help. */
 #include "support/options_parse.h"
 
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -189,6 +190,11 @@ static int check_together(program *state, const command *which)
     if (which->needs_input && given->input == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "%s is missing, see svocl %s --help", which->input_name,
                             which->name);
+    }
+    if (given->depth > SVO_DEPTH_MAX && strcmp(which->name, "parts") != 0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE,
+                            "depth %" PRIu64 " is above %d; svocl parts plan takes %d, for folders that are trees",
+                            given->depth, SVO_DEPTH_MAX, SVO_PARTS_DEPTH_MAX);
     }
     if (given->quiet && given->verbose) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--quiet and --verbose exclude each other");

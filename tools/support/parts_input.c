@@ -104,7 +104,7 @@ int parts_input_region(program *state, svo_parts_region *region)
     }
     errno = 0;
     const unsigned long level = strtoul(text, &end, 10);
-    bool valid = text[0] >= '0' && text[0] <= '9' && *end == '-' && level < SVO_DEPTH_MAX;
+    bool valid = text[0] >= '0' && text[0] <= '9' && *end == '-' && level < SVO_PARTS_DEPTH_MAX;
     if (valid) {
         const char *code = end + 1;
         region->level = (uint32_t)level;

@@ -15,7 +15,7 @@ typedef struct file_facts {
     svo_compact *compact; /* of a .svc file, whose expanded tree the rest describes */
     svo_tree_info info;
     uint64_t node_count, leaf_count, list_count; /* which info has too, unless there are more than it can have */
-    uint64_t level_nodes[SVO_LEVELS_MAX];
+    uint64_t level_nodes[SVO_PARTS_LEVELS_MAX];
     uint64_t part_count; /* of a folder of parts; 0: another tree */
     uint64_t file_bytes;
     char hash[SVO_HASH_TEXT_BYTES];

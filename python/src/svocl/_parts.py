@@ -18,6 +18,7 @@ from ._mesh import Path, encode, mesh_of, need_io, read_mesh
 from ._native import ffi, lib
 
 FILE_NODES_MAX = (1 << 32) - 2
+FILE_DEPTH_MAX = 16
 """Nodes of a .svo file, at most."""
 
 
@@ -85,7 +86,7 @@ class Parts(Handle):
         Args:
             device: whose memory the parts are planned for.
             mesh: the whole mesh, a Mesh or an object with vertices and faces, see Device.plan.
-            depth: of the whole tree.
+            depth: of the whole tree, 1 .. 20; above 16 the folder is never stitched.
             folder: is made where it is not there.
             max_bytes: for the buffers and the host's memory of one part's build; 0: a sixteenth of the whole's, and
                 at least 16 MiB.

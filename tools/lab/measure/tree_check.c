@@ -181,13 +181,26 @@ static uint32_t *copy_kept_indices(const oracle_positions *mesh, const svo_tree_
 
 bool mesh_list_pairs(const svo_mesh *mesh, const svo_tree_info *info, oracle_coverage coverage, oracle_pairs *out)
 {
+    const grid_node root = {.level = 0};
+    return mesh_list_pairs_below(mesh, info, coverage, &root, 1, out);
+}
+
+bool mesh_list_pairs_below(const svo_mesh *mesh, const svo_tree_info *info, oracle_coverage coverage,
+                           const grid_node *nodes, size_t count, oracle_pairs *out)
+{
     const oracle_space space = {{info->origin[0], info->origin[1], info->origin[2]}, info->edge, info->depth};
     double *positions = copy_positions(mesh);
     const oracle_positions source = {positions, mesh->vertex_count, mesh->indices, mesh->triangle_count};
     uint32_t *indices = positions != NULL ? copy_kept_indices(&source, info) : NULL;
     const oracle_positions kept = {positions, mesh->vertex_count, indices, mesh->triangle_count};
-    *out = (oracle_pairs){0};
-    const bool good = indices != NULL && oracle_exact_enumerate(&kept, &space, coverage, out);
+    bool good = indices != NULL;
+    for (size_t i = 0; i < count; ++i) {
+        out[i] = (oracle_pairs){0};
+        good = good && oracle_exact_enumerate_below(&kept, &space, coverage, nodes[i].level, nodes[i].code, &out[i]);
+    }
+    for (size_t i = 0; !good && i < count; ++i) {
+        oracle_pairs_free(&out[i]);
+    }
     free(indices);
     free(positions);
     return good;

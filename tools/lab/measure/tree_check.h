@@ -45,4 +45,14 @@ bool snap_check(const svo_mesh *mesh, const options *given, const svo_tree_info 
    Release them by oracle_pairs_free. Returns false if memory runs out. */
 bool mesh_list_pairs(const svo_mesh *mesh, const svo_tree_info *info, oracle_coverage coverage, oracle_pairs *out);
 
+/* A node of the octree: its Morton code on its level. */
+typedef struct grid_node {
+    unsigned level;
+    uint64_t code;
+} grid_node;
+
+/* The pairs below each of some nodes, one list for each. info: depth, snap_bits, origin, edge and scale. */
+bool mesh_list_pairs_below(const svo_mesh *mesh, const svo_tree_info *info, oracle_coverage coverage,
+                           const grid_node *nodes, size_t count, oracle_pairs *out);
+
 #endif

@@ -1,18 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * svocl verify: compares a tree with the exact reference (tools/lab/reference), voxel by voxel, pair by pair and vertex
- * by vertex; with --tree-form, what its compact forms expand to with the tree; with --solid, the inside. Exact is the
- * tree of the mesh as it was given, in numbers of any size.
+ * by vertex; with --tree-form, what its compact forms expand to with the tree; with --solid, the inside; with --parts,
+ * regions of a folder of parts. Exact is the tree of the mesh as it was given, in numbers of any size.
  */
 #include <inttypes.h>
 #include <string.h>
 
+#include "measure/parts_check.h"
 #include "measure/solid_check.h"
 #include "measure/tree_check.h"
 #include "program/commands.h"
 #include "support/build_report.h"
 #include "support/json.h"
 #include "support/options_parse.h"
+#include "support/parts_input.h"
+#include "support/parts_job.h"
 #include "support/session.h"
 #include "support/table.h"
 
@@ -425,8 +428,91 @@ static int verify_tree_file(program *state)
     return exit_code;
 }
 
+/* ---- a folder of parts ---- */
+
+#define REGIONS 100
+
+static int report_parts(program *state, const parts_differences *found)
+{
+    const bool exact = found->missed_voxels == 0 && found->surplus_voxels == 0;
+    if (state->options.json) {
+        cJSON *document = json_document();
+        json_add_text(document, "input", state->options.input);
+        json_add_text(document, "parts", state->options.parts_path);
+        json_add_count(document, "regions", found->regions);
+        json_add_count(document, "expected_voxels", found->expected_voxels);
+        json_add_count(document, "built_voxels", found->built_voxels);
+        json_add_count(document, "missed_voxels", found->missed_voxels);
+        json_add_count(document, "surplus_voxels", found->surplus_voxels);
+        cJSON_AddBoolToObject(document, "exact", exact);
+        const int exit_code = json_print(state, document);
+        if (exit_code != PROGRAM_DONE) {
+            return exit_code;
+        }
+    } else if (!state->options.quiet) {
+        table_heading("%s in regions against the exact reference", state->options.parts_path);
+        table *rows = table_create("lr");
+        table_cell(rows, "regions");
+        table_cell(rows, "%s", figure_count(found->regions).text);
+        table_cell(rows, "voxels expected");
+        table_cell(rows, "%s", figure_count(found->expected_voxels).text);
+        table_cell(rows, "built");
+        table_cell(rows, "%s", figure_count(found->built_voxels).text);
+        table_cell(rows, "missed");
+        table_cell(rows, "%s", figure_count(found->missed_voxels).text);
+        table_cell(rows, "surplus");
+        table_cell(rows, "%s", figure_count(found->surplus_voxels).text);
+        table_print(rows);
+    }
+    return exact
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_FAILED,
+                              "%s: not exact: %" PRIu64 " missed and %" PRIu64 " surplus voxels in %" PRIu64 " regions",
+                              state->options.parts_path, found->missed_voxels, found->surplus_voxels, found->regions);
+}
+
+static int verify_parts(program *state)
+{
+    static const char where[] = "with --parts, whose tree is built";
+    const size_t count = state->options.sample != 0 ? (size_t)state->options.sample : REGIONS;
+    const char *folder = state->options.parts_path;
+    input source = {0};
+    svo_parts *parts = NULL;
+    svo_parts_tree *tree = NULL;
+    parts_differences found = {0};
+    svo_message message = {""};
+    int exit_code = options_refuse_groups(
+        state, OPTION_BUILD | OPTION_METHODS | OPTION_DEVICE | OPTION_FORM | OPTION_SOLID | OPTION_UNFOLDED, where);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = parts_open(state, folder, &parts);
+    }
+    program_begin_progress(state, 2);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = input_open(state, &source);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        progress_step(state->progress, "comparing regions with the reference");
+        svo_status status = svo_parts_tree_open(folder, &tree, &message);
+        if (status == SVO_OK) {
+            status = parts_check(parts, tree, source.mesh, count, state->options.seed, &found, &message);
+        }
+        exit_code = status == SVO_OK ? PROGRAM_DONE : parts_fail(state, status, message.text);
+    }
+    progress_destroy(&state->progress);
+    svo_parts_tree_close(&tree);
+    svo_parts_close(&parts);
+    input_close(&source);
+    return exit_code == PROGRAM_DONE ? report_parts(state, &found) : exit_code;
+}
+
 int command_verify(program *state)
 {
+    if (state->options.parts_path != NULL) {
+        return verify_parts(state);
+    }
+    if (state->options.sample != 0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--sample requires --parts");
+    }
     if (input_is_tree(state)) {
         return verify_tree_file(state);
     }

@@ -18,13 +18,14 @@
 extern "C" {
 #endif
 
-#define ORACLE_OFFSET_BITS 74
+#define ORACLE_OFFSET_BITS     74
+#define ORACLE_EXACT_DEPTH_MAX 20
 
 /*
  * A grid of 2^depth voxels per axis. Plane i of an axis is where v - origin = i * edge / 2^depth, in real arithmetic.
  * An offset v - origin is exact down to 2^-ORACLE_OFFSET_BITS of the power of two above the edge; what lies below is
  * rounded to odd (Boldo and Melquiond, 2008), so that no vertex reaches, crosses or leaves a plane. All values are
- * finite, edge above 0. depth: 0 .. ORACLE_DEPTH_MAX.
+ * finite, edge above 0. depth: 0 .. ORACLE_EXACT_DEPTH_MAX.
  */
 typedef struct oracle_space {
     double origin[3];
@@ -54,6 +55,10 @@ int64_t oracle_exact_rounded(double vertex, double origin, double edge, unsigned
  */
 bool oracle_exact_enumerate(const oracle_positions *mesh, const oracle_space *space, oracle_coverage coverage,
                             oracle_pairs *out);
+
+/* Those whose voxels are below one node of the octree: its level, at most the depth, and its code, below 8^level. */
+bool oracle_exact_enumerate_below(const oracle_positions *mesh, const oracle_space *space, oracle_coverage coverage,
+                                  unsigned level, uint64_t code, oracle_pairs *out);
 
 /*
  * The line along an axis through the center of a cell, moved as in oracle_solid.c: the sense in which it crosses a

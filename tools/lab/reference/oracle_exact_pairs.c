@@ -21,8 +21,8 @@
 
 #define FLOOR      1e-290
 #define LENGTH_MAX 1e60
-/* A unit of offsets in voxels is at most 2^(1 + ORACLE_DEPTH_MAX - ORACLE_OFFSET_BITS). */
-#define ROUNDED 0x1p-57
+/* A unit of offsets in voxels is at most 2^(1 + ORACLE_EXACT_DEPTH_MAX - ORACLE_OFFSET_BITS). */
+#define ROUNDED 0x1p-53
 /* All axes but those of the box, whose extents are known as cells. */
 #define MEASURED_MAX (EXACT_AXES - EXACT_NORMAL)
 
@@ -41,6 +41,7 @@ typedef struct measured_axis {
 typedef struct walker {
     const oracle_space *space;
     oracle_coverage coverage;
+    int64_t first[3], last[3]; /* cells that are wanted */
     double rate; /* voxels per unit; 0 when doubles cannot hold it */
     oracle_exact_triangle triangle;
     uint32_t triangle_index;
@@ -84,10 +85,9 @@ static int64_t cell_of(walker *walk, int vertex, int axis, bool *on_plane)
     return exact_triangle_cell(exact_of(walk), vertex, axis, on_plane);
 }
 
-/* Sets the bounds, clamped to the grid; false if the triangle is beside it. */
+/* Sets the bounds, clamped to the cells that are wanted; false if the triangle is beside them. */
 static bool set_bounds(walker *walk)
 {
-    const int64_t cells = INT64_C(1) << walk->space->depth;
     walk->extent = 0;
     for (int axis = 0; axis < 3; ++axis) {
         int64_t low = EXACT_CELL_MAX;
@@ -100,11 +100,11 @@ static bool set_bounds(walker *walk)
             low = first < low ? first : low;
             high = cell > high ? cell : high;
         }
-        if (high < 0 || low >= cells) {
+        if (high < walk->first[axis] || low > walk->last[axis]) {
             return false;
         }
-        walk->low[axis] = low < 0 ? 0 : low;
-        walk->high[axis] = high >= cells ? cells - 1 : high;
+        walk->low[axis] = low < walk->first[axis] ? walk->first[axis] : low;
+        walk->high[axis] = high > walk->last[axis] ? walk->last[axis] : high;
         const int64_t extent = walk->high[axis] - walk->low[axis] + 1;
         walk->extent = extent > walk->extent ? extent : walk->extent;
     }
@@ -333,13 +333,13 @@ static bool add_triangle(walker *walk)
     return descend(walk, oracle_voxel_code(node[0], node[1], node[2], walk->space->depth - level_log2), &box);
 }
 
-static bool is_in_range(const oracle_space *space)
+static bool is_in_range(const oracle_space *space, unsigned level, uint64_t code)
 {
-    bool good = isfinite(space->edge) && space->edge > 0.0;
+    bool good = isfinite(space->edge) && space->edge > 0.0 && level <= space->depth && code >> 3 * level == 0;
     for (int k = 0; k < 3; ++k) {
         good = good && isfinite(space->origin[k]);
     }
-    return good && space->depth <= ORACLE_DEPTH_MAX;
+    return good && space->depth <= ORACLE_EXACT_DEPTH_MAX;
 }
 
 /* One rounding, or 0: out of the range of normal doubles. */
@@ -349,14 +349,35 @@ static double rate_of(const oracle_space *space)
     return isnormal(rate) ? rate : 0.0;
 }
 
+/* Wants the cells below a node. */
+static void set_wanted(walker *walk, unsigned level, uint64_t code)
+{
+    const unsigned below = walk->space->depth - level;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        int64_t cell = 0;
+        for (unsigned i = level; i-- > 0;) {
+            cell = cell << 1 | (int64_t)(code >> (3 * i + axis) & 1);
+        }
+        walk->first[axis] = cell << below;
+        walk->last[axis] = ((cell + 1) << below) - 1;
+    }
+}
+
 bool oracle_exact_enumerate(const oracle_positions *mesh, const oracle_space *space, oracle_coverage coverage,
                             oracle_pairs *out)
 {
+    return oracle_exact_enumerate_below(mesh, space, coverage, 0, 0, out);
+}
+
+bool oracle_exact_enumerate_below(const oracle_positions *mesh, const oracle_space *space, oracle_coverage coverage,
+                                  unsigned level, uint64_t code, oracle_pairs *out)
+{
     walker walk = {.space = space, .coverage = coverage};
     *out = (oracle_pairs){NULL, 0};
-    if (!is_in_range(space)) {
+    if (!is_in_range(space, level, code)) {
         return false;
     }
+    set_wanted(&walk, level, code);
     walk.rate = rate_of(space);
     exact_triangle_init(&walk.exact);
     bool good = true;

@@ -23,7 +23,7 @@ from typing import Any, NoReturn, Optional
 
 import svocl
 
-from .._parts import FILE_NODES_MAX
+from .._parts import FILE_DEPTH_MAX, FILE_NODES_MAX
 from ._plan import plan_parts, stitch_parts
 from ._run import Interrupted, Refused, Summary, build_parts
 from ._security import check_address, is_refused, make_security
@@ -200,14 +200,16 @@ def plan_by_program(options: argparse.Namespace, folder: str) -> None:
 
 def check_nodes(options: argparse.Namespace, parts: svocl.Parts, is_new: bool) -> None:
     """A tree that cannot be stitched is refused before its parts are built."""
-    if parts.expected_nodes > FILE_NODES_MAX and not options.parts_only:
-        if is_new:
-            svocl.Parts.remove(parts.folder)
-        raise Failed(
-            FAILED,
-            f"{options.mesh}: about {parts.expected_nodes:.0f} nodes are expected at depth {options.depth}, above "
-            "2^32 - 2 of a .svo file; --parts-only builds a folder, which svocl.PartsTree reads as a tree in itself",
-        )
+    if options.parts_only or (parts.expected_nodes <= FILE_NODES_MAX and options.depth <= FILE_DEPTH_MAX):
+        return
+    if is_new:
+        svocl.Parts.remove(parts.folder)
+    raise Failed(
+        FAILED,
+        f"{options.mesh}: about {parts.expected_nodes:.0f} nodes are expected at depth {options.depth}; a .svo file "
+        f"has at most 2^32 - 2 nodes and depth {FILE_DEPTH_MAX}; --parts-only builds a folder, which svocl.PartsTree "
+        "reads as a tree in itself",
+    )
 
 
 def bytes_of_parts(parts: svocl.Parts) -> int:
@@ -268,16 +270,22 @@ def build(
     steps: "Steps",
     places: Places,
 ) -> Summary:
-    return build_parts(
-        client,
-        parts,
-        shared_folder=not options.no_shared_folder,
-        device=options.device,
-        patience=options.patience,
-        report=report.parts,
-        record=steps.add,
-        stored=places.stored,
-    )
+    """Builds. Triangles that are damaged or missing by then are written by the next try."""
+    try:
+        return build_parts(
+            client,
+            parts,
+            shared_folder=not options.no_shared_folder,
+            device=options.device,
+            patience=options.patience,
+            report=report.parts,
+            record=steps.add,
+            stored=places.stored,
+        )
+    except Refused as problem:
+        if "planning the parts again" not in str(problem):
+            raise
+        raise Interrupted(f"{problem}; the same command does so") from problem
 
 
 @contextlib.contextmanager
@@ -490,7 +498,7 @@ def read_options(arguments: Optional[list[str]] = None) -> argparse.Namespace:
     )
     add = parser.add_argument
     add("mesh", metavar="MESH", help="mesh file, or scene:NAME[:SIZE] where the program svocl is installed")
-    add("-d", "--depth", type=read_count, required=True, help="of the tree, 1 to 16")
+    add("-d", "--depth", type=read_count, required=True, help="of the tree, 1 to 16; 20 with --parts-only")
     add("-o", "--output", required=True, metavar="OUT.svo", help="the file, by name or by URL: s3://BUCKET/OUT.svo")
     add("--parts", metavar="FOLDER", help="where parts lie until the end, by name or by URL (OUT.svo.parts)")
     add("--scratch", metavar="FOLDER", help="on a disk, for this machine's copy of what has a URL ($TMPDIR)")
