@@ -123,6 +123,7 @@ static int render(light_render *work)
 int render_light(program *state)
 {
     light_render work = {.state = state};
+    state->wants_normal_maps = true;
     int exit_code = lighting_open(state, &work.lit);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
