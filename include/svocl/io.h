@@ -247,7 +247,8 @@ typedef struct svo_import_options {
     /** An svo_axes: which axis is up in the file. SVO_AXES_Z_UP turns (x, y, z) to (x, z, -y), normals too; else
      *  nothing is turned but what the file itself asks for, as COLLADA does. */
     uint32_t axes;
-    uint32_t reserved; /**< 0 */
+    uint32_t normal_maps; /**< not 0: the mesh has the normal maps of its materials, and their textures; see
+                               svo_import_file */
     /** 0 or more, in the mesh's units; 0: positions stay as they are. Vertices are taken in their order: one that lies
      *  no farther than this from an earlier one that stayed gets the position of the first of these, else it stays. So
      *  cracks close, and with them a mesh for projected areas. Attributes, indices and triangles stay, also triangles
@@ -284,6 +285,11 @@ typedef struct svo_import svo_import;
  *  limit. So has glTF 2.0, with KHR_mesh_quantization, EXT_mesh_gpu_instancing and KHR_texture_transform; a file that
  *  requires another extension is refused. What else assimp knows is read by assimp. Transforms of nodes are applied.
  *  Polygons are triangulated. Linear colors, as glTF has them, become sRGB.
+ *
+ *  With svo_import_options.normal_maps, materials have what glTF names normalTexture, MTL norm, bump or map_bump with
+ *  -bm, and what assimp calls normals or height. An image of bump is a normal map where nine tenths of its texels are
+ *  unit vectors out of the surface; else it is a height, of which white is two texels above black. A map that lies
+ *  otherwise on the surface than the color's texture is left out, with a warning.
  *
  *  What a file declares and is not in the mesh is a warning: vertices of no face, points, lines, elements and
  *  statements that are not read, textures that cannot be read (white is used), indices of vertices that do not exist

@@ -233,11 +233,11 @@ typedef struct svo_light_setup {
 SVO_API svo_status svo_light_set_sources(svo_light *light, const svo_light_setup *setup, cl_command_queue queue);
 
 /** Gives a light the mesh that its tree was made of, in place of an earlier one. Pictures then have its textures,
- *  vertex colors, materials and vertex normals at the points that the camera sees; far away, where rays are wider than
- *  leaves, the payload of the leaf as without a mesh. Textures have levels of half the size each, which take a third
- *  more. All rays of light go through what shows in part by the alpha of the mesh at the point. Where the mesh has
- *  materials or vertex colors, paths find these, too, where they meet it: what surfaces reflect and emit then has no
- *  error of the leaves that several of them share. Photons and cones have the colors of leaves as before.
+ *  vertex colors, materials, vertex normals and normal maps at the points that the camera sees; far away, where rays
+ *  are wider than leaves, the payload of the leaf as without a mesh. Textures have levels of half the size each, which
+ *  take a third more. All rays of light go through what shows in part by the alpha of the mesh at the point. Where the
+ *  mesh has materials or vertex colors, paths find these, too, where they meet it: what surfaces reflect and emit then
+ *  has no error of the leaves that several of them share. Photons and cones have the colors of leaves as before.
  *
  * The light of later sources has the mesh, too; svo_light_update takes it away, since triangles may have changed.
  *

@@ -45,6 +45,14 @@ typedef struct svo_material {
     uint32_t texture_index; /**< into svo_mesh.textures; SVO_NO_TEXTURE or any other value out of range: no texture */
 } svo_material;
 
+/** How a material bends normals, for pictures of light. The texture's red, green and blue are x, y and z of a unit
+ *  vector, 2 c / 255 - 1 each: x goes along u, y against v, which is up in the image, z out of the surface, as normal
+ *  textures of glTF 2.0 have them (OpenGL's convention). Alpha is not read. */
+typedef struct svo_normal_map {
+    uint32_t texture_index; /**< into svo_mesh.textures; SVO_NO_TEXTURE or any other value out of range: no map */
+    float scale; /**< what x and y are multiplied by, finite */
+} svo_normal_map;
+
 /** A mesh in host memory. The arrays are borrowed. */
 typedef struct svo_mesh {
     size_t struct_size; /**< sizeof(svo_mesh) */
@@ -64,6 +72,8 @@ typedef struct svo_mesh {
     /** material_count: what materials do besides their color, for svo_light_setup; builds do not read it. NULL: all are
      *  diffuse and none emits. */
     const svo_finish *finishes;
+    /** material_count: how materials bend normals, for svo_light_set_mesh; builds do not read them. NULL: none do. */
+    const svo_normal_map *normal_maps;
 } svo_mesh;
 
 /** No vertices, no triangles. */

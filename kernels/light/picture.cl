@@ -61,7 +61,8 @@ static svo_picture_light svo_picture_gathered(const svo_lit_picture *picture, co
                                               float2 place, const svo_lit_surface *surface)
 {
 #ifdef SVO_PICTURE_SCREEN
-    const svo_screen_cells cells = svo_screen_cells_of(screen->cells, screen->params, place, surface);
+    const svo_screen_surface shown = {surface->point, surface->face, svo_screen_normal(picture, surface)};
+    const svo_screen_cells cells = svo_screen_cells_of(screen->cells, screen->params, place, &shown);
     const float4 light = svo_screen_light(&cells, screen->light);
     const bool is_openness = picture->params.view == SVO_LIT_VIEW_AO;
     svo_picture_light gathered = {is_openness ? (float3)(light.w) : light.xyz, (float3)(0.0f)};

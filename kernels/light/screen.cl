@@ -38,7 +38,11 @@ svo_k_screen_points(SVO_LIT_PARAMETERS, __global svo_gather_point *points, svo_s
         svo_lit_surface surface;
         svo_lit_place(&picture, &ray, &met, through.widening, &surface);
         vstore3(surface.point, 0, point.position);
-        vstore3(surface.face, 0, point.normal);
+        const float3 normal = svo_screen_normal(&picture, &surface);
+        vstore3(normal, 0, point.normal);
+        if (any(normal != surface.face)) {
+            svo_screen_put_face(surface.face, &point);
+        }
         svo_lit_seen(&picture, &surface);
         if (svo_lit_reflects(&picture, &surface)) {
             vstore3(svo_lit_mirrored(&surface, vload3(0, ray.direction)), 0, point.reflected);
@@ -108,10 +112,9 @@ svo_k_screen_filter(__global const svo_gather_point *points, __global const svo_
         return;
     }
     const int2 at = (int2)((int)(item % screen.columns), (int)(item / screen.columns));
-    const float3 point = vload3(0, points[item].position);
-    const float3 face = vload3(0, points[item].normal);
+    const svo_screen_surface surface = svo_screen_surface_of(points + item);
     const float4 own = svo_screen_gathered(gathered, from, screen, item);
-    if (!(dot(face, face) > 0.0f)) {
+    if (!(dot(surface.normal, surface.normal) > 0.0f)) {
         to[item] = own;
         return;
     }
@@ -129,7 +132,7 @@ svo_k_screen_filter(__global const svo_gather_point *points, __global const svo_
         const float4 light = svo_screen_gathered(gathered, from, screen, cell);
         const uint2 far = abs(away);
         const float spline = svo_screen_spline(far.x) * svo_screen_spline(far.y);
-        const float alike = k == 12 ? spline : spline * svo_screen_alike(point, face, points + cell);
+        const float alike = k == 12 ? spline : spline * svo_screen_alike(&surface, points + cell);
         const float4 other = guide[cell];
         const float2 differs =
             fabs(other.xy - guided.xy) / (screen.tolerance * fmax(other.zw, guided.zw) + (float2)(1e-6f));

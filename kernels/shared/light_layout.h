@@ -315,6 +315,15 @@ SVO_RECORD(svo_mesh_triangle)
 
 #define SVO_MESH_TRIANGLE_CLEAR 0x80000000u
 
+/* How a triangle of that mesh bends normals. 16 bytes. */
+SVO_RECORD(svo_mesh_bend)
+{
+    SVO_F32 scale; /* 0: of the map's x and y, y negative where its frame is left-handed; 0: the triangle has no map */
+    SVO_U32 direction; /* 4: along u, packed as normals are */
+    SVO_U32 material; /* 8: the record of the map, behind those of materials */
+    SVO_F32 level; /* 12: logarithm to base 2 of its texels in a world unit */
+};
+
 /* A triangle that emits. 48 bytes. */
 SVO_RECORD(svo_emitter_record)
 {
@@ -349,6 +358,7 @@ SVO_RECORD(svo_screen_params)
 SVO_ASSERT_BYTES(svo_screen_params, 32);
 SVO_ASSERT_BYTES(svo_emitter_record, 48);
 SVO_ASSERT_BYTES(svo_mesh_triangle, 56);
+SVO_ASSERT_BYTES(svo_mesh_bend, 16);
 SVO_ASSERT_BYTES(svo_light_params, 32);
 SVO_ASSERT_BYTES(svo_gather_params, 32);
 SVO_ASSERT_BYTES(svo_light_step, 32);

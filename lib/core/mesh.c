@@ -5,6 +5,7 @@
  */
 #include "core/mesh.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "core/device.h"
@@ -49,6 +50,12 @@ svo_status svo_i_mesh_check_counts(svo_device *device, const char *function, con
     }
     for (size_t i = 0; i < mesh->texture_count; ++i) {
         SVO_I_TRY(check_texture(device, function, i, &mesh->textures[i]));
+    }
+    for (size_t i = 0; mesh->normal_maps != NULL && i < mesh->material_count; ++i) {
+        if (!isfinite(mesh->normal_maps[i].scale)) {
+            return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: normal map %zu has a scale of %g, not finite",
+                                     function, i, (double)mesh->normal_maps[i].scale);
+        }
     }
     return SVO_OK;
 }

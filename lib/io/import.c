@@ -181,12 +181,14 @@ static int spawn(import_child *child, char *const *arguments, char *const *envir
 
 static svo_status start(import_child *child)
 {
-    char memory[24], seconds[16], word[] = IMPORT_CHILD_WORD, time_grows[8], memory_grows[8];
+    char memory[24], seconds[16], word[] = IMPORT_CHILD_WORD, time_grows[8], memory_grows[8], maps[16];
     (void)snprintf(memory, sizeof memory, "%" PRIu64, child->options->memory_limit_bytes);
     (void)snprintf(seconds, sizeof seconds, "%" PRIu32, child->options->time_limit_seconds);
     (void)snprintf(time_grows, sizeof time_grows, "%s", child->grows.time ? IMPORT_CHILD_GROWS : IMPORT_CHILD_FIXED);
     (void)snprintf(memory_grows, sizeof memory_grows, "%s",
                    child->grows.memory ? IMPORT_CHILD_GROWS : IMPORT_CHILD_FIXED);
+    (void)snprintf(maps, sizeof maps, "%s",
+                   child->options->normal_maps != 0 ? IMPORT_CHILD_NORMAL_MAPS : IMPORT_CHILD_NO_NORMAL_MAPS);
     char *program = svo_i_copy_text(child->memory, child->options->child_program);
     char *path = svo_i_copy_text(child->memory, child->path);
     char **environment = child_environment(child->memory);
@@ -198,8 +200,8 @@ static svo_status start(import_child *child)
         status = svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: no pipe to the reader: %s", child->path,
                             strerror(errno));
     } else {
-        char *const arguments[IMPORT_CHILD_ARGUMENT_COUNT + 1] = {program, word,       path,         memory,
-                                                                  seconds, time_grows, memory_grows, NULL};
+        char *const arguments[IMPORT_CHILD_ARGUMENT_COUNT + 1] = {program,    word,         path, memory, seconds,
+                                                                  time_grows, memory_grows, maps, NULL};
         (void)fcntl(ends[0], F_SETPIPE_SZ, PIPE_BYTES); /* refused: more turns of both processes */
         const int error = spawn(child, arguments, environment, ends[1]);
         close(ends[1]);

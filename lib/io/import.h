@@ -7,12 +7,14 @@
 
 #include "svocl/io.h"
 
-/* The child's arguments: itself, this word, the file, bytes of address space, seconds, and whether the seconds and the
-   bytes grow with the work that the child announces. */
+/* The child's arguments: itself, this word, the file, bytes of address space, seconds, whether the seconds and the
+   bytes grow with the work that the child announces, and whether it reads normal maps. */
 #define IMPORT_CHILD_WORD           "--svocl-import-child"
-#define IMPORT_CHILD_ARGUMENT_COUNT 7
+#define IMPORT_CHILD_ARGUMENT_COUNT 8
 #define IMPORT_CHILD_GROWS          "grows"
 #define IMPORT_CHILD_FIXED          "fixed"
+#define IMPORT_CHILD_NORMAL_MAPS    "normal-maps"
+#define IMPORT_CHILD_NO_NORMAL_MAPS "no-normal-maps"
 /* Set for the child, so that a program that never calls svo_import_child_main does not start itself recursively. */
 #define IMPORT_CHILD_ENVIRONMENT "SVOCL_IMPORT_CHILD"
 #define IMPORT_CHILD_STREAM      3 /* the file descriptor of its answer */

@@ -125,9 +125,18 @@ static int report_failure(const char *words, uint64_t given_bytes)
     return 1;
 }
 
+/* What a child does. */
+typedef struct child_task {
+    const char *path;
+    uint64_t given_bytes; /* of address space, the calling process's limit */
+    bool normal_maps; /* are read */
+} child_task;
+
 /* Reads with one of the library's readers, or with assimp. Returns 0, or the exit code after reporting a failure. */
-static int read_file(const char *path, uint64_t given_bytes, gather *mesh, stream_counts *counts)
+static int read_file(const child_task *task, gather *mesh, stream_counts *counts)
 {
+    const char *path = task->path;
+    const uint64_t given_bytes = task->given_bytes;
     file_bytes file;
     stream_work work = {0, 0};
     svo_message message = {""};
@@ -141,6 +150,7 @@ static int read_file(const char *path, uint64_t given_bytes, gather *mesh, strea
                           .stream = IMPORT_CHILD_STREAM,
                           .work = &work,
                           .mesh = mesh,
+                          .normal_maps = task->normal_maps,
                           .counts = counts,
                           .message = &message};
     const mesh_format format = svo_i_mesh_format(path, file.bytes, file.byte_count);
@@ -155,14 +165,14 @@ static int read_file(const char *path, uint64_t given_bytes, gather *mesh, strea
     return status != SVO_OK ? report_failure(message.text, given_bytes) : 0;
 }
 
-static int read_and_send(const char *path, uint64_t given_bytes)
+static int read_and_send(const child_task *task)
 {
     gather mesh = {0};
     stream_counts counts = {.reader = STREAM_READER_ASSIMP};
     if (svo_i_stream_write(IMPORT_CHILD_STREAM, STREAM_GREETING, STREAM_GREETING_BYTES) != 0) {
         return 1;
     }
-    int result = read_file(path, given_bytes, &mesh, &counts);
+    int result = read_file(task, &mesh, &counts);
     if (result == 0 && (svo_i_gather_send(&mesh, IMPORT_CHILD_STREAM) != 0 ||
                         svo_i_stream_frame(IMPORT_CHILD_STREAM, STREAM_COUNTS, &counts, sizeof counts) != 0 ||
                         svo_i_stream_frame(IMPORT_CHILD_STREAM, STREAM_END, NULL, 0) != 0)) {
@@ -180,8 +190,10 @@ int svo_import_child_main(int argc, char **argv, int *exit_code)
     }
     const uint64_t memory_bytes = strtoull(argv[3], NULL, 10);
     const uint64_t seconds = strtoull(argv[4], NULL, 10);
-    const uint64_t given_bytes = set_limits(memory_bytes, seconds, strcmp(argv[5], IMPORT_CHILD_GROWS) == 0,
-                                            strcmp(argv[6], IMPORT_CHILD_GROWS) == 0);
-    *exit_code = read_and_send(argv[2], given_bytes);
+    const child_task task = {.path = argv[2],
+                             .given_bytes = set_limits(memory_bytes, seconds, strcmp(argv[5], IMPORT_CHILD_GROWS) == 0,
+                                                       strcmp(argv[6], IMPORT_CHILD_GROWS) == 0),
+                             .normal_maps = strcmp(argv[7], IMPORT_CHILD_NORMAL_MAPS) == 0};
+    *exit_code = read_and_send(&task);
     return 1;
 }

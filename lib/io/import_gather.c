@@ -14,7 +14,8 @@
 
 #define FIRST_CAPACITY    ((size_t)1024)
 #define MATCH_BLOCK_COUNT 32 /* vertices that are looked up together */
-#define SEND_BLOCK_COUNT  4096 /* vertices per block that is written */
+#define SEND_BLOCK_COUNT  2048 /* records per block that is written */
+#define SEND_FIELD_BYTES  sizeof(svo_finish) /* the most of a field */
 
 static_assert(sizeof(gather_vertex) == 36, "a vertex is compared as bytes and must have no padding");
 
@@ -214,51 +215,49 @@ bool svo_i_gather_triangle(gather *mesh, const uint32_t corners[3], uint16_t mat
     return true;
 }
 
-bool svo_i_gather_material(gather *mesh, const svo_material *material, const svo_finish *finish)
+gather_material svo_i_gather_plain_material(void)
 {
-    /* Both arrays grow in step: the capacity is written by the second. */
-    size_t capacity = mesh->material_capacity;
-    void *materials = mesh->materials;
-    bool grown = reserve(&materials, mesh->material_count, &capacity, sizeof *material);
-    mesh->materials = materials;
-    if (!grown) {
-        return false;
-    }
-    void *finishes = mesh->finishes;
-    grown = reserve(&finishes, mesh->material_count, &mesh->material_capacity, sizeof *finish);
-    mesh->finishes = finishes;
-    if (!grown) {
-        return false;
-    }
-    mesh->finishes[mesh->material_count] = finish != NULL ? *finish : (svo_finish){.exponent = 0};
-    mesh->materials[mesh->material_count++] = *material;
-    return true;
+    return (gather_material){.base = {.rgba = {255, 255, 255, 255}, .texture_index = SVO_NO_TEXTURE},
+                             .normal_map = {.texture_index = SVO_NO_TEXTURE, .scale = 1}};
 }
 
-/* Whether all materials are diffuse and none emits. */
-static bool is_diffuse(const gather *mesh)
+bool svo_i_gather_is_textured(const gather_material *material)
+{
+    return material->base.texture_index != SVO_NO_TEXTURE || material->normal_map.texture_index != SVO_NO_TEXTURE;
+}
+
+bool svo_i_gather_material(gather *mesh, const gather_material *material)
+{
+    void *materials = mesh->materials;
+    const bool grown = reserve(&materials, mesh->material_count, &mesh->material_capacity, sizeof *material);
+    mesh->materials = materials;
+    if (grown) {
+        mesh->materials[mesh->material_count++] = *material;
+    }
+    return grown;
+}
+
+/* Whether a material is diffuse and does not emit. */
+static bool is_diffuse(const gather_material *material)
 {
     bool diffuse = true;
-    for (size_t i = 0; i < mesh->material_count; ++i) {
-        const svo_finish *finish = &mesh->finishes[i];
-        for (int k = 0; k < 3; ++k) {
-            diffuse = diffuse && finish->emission[k] == 0 && finish->specular[k] == 0;
-        }
+    for (int k = 0; k < 3; ++k) {
+        diffuse = diffuse && material->finish.emission[k] == 0 && material->finish.specular[k] == 0;
     }
     return diffuse;
 }
 
 void svo_i_gather_drop_plain_materials(gather *mesh)
 {
-    static const svo_material plain = {.rgba = {255, 255, 255, 255}, .texture_index = SVO_NO_TEXTURE};
+    const gather_material plain = svo_i_gather_plain_material();
     for (size_t i = 0; i < mesh->material_count; ++i) {
-        if (memcmp(&mesh->materials[i], &plain, sizeof plain) != 0) {
+        const gather_material *material = &mesh->materials[i];
+        if (memcmp(&material->base, &plain.base, sizeof plain.base) != 0 || svo_i_gather_is_textured(material) ||
+            !is_diffuse(material)) {
             return;
         }
     }
-    if (is_diffuse(mesh)) {
-        mesh->material_count = 0;
-    }
+    mesh->material_count = 0;
 }
 
 void svo_i_gather_free(gather *mesh)
@@ -268,59 +267,92 @@ void svo_i_gather_free(gather *mesh)
     free(mesh->indices);
     free(mesh->triangle_materials);
     free(mesh->materials);
-    free(mesh->finishes);
     free(mesh->file_vertices);
     memset(mesh, 0, sizeof *mesh);
 }
 
-/* One attribute of all vertices as an array of its own. */
-static int send_field(const gather *mesh, int stream, stream_kind kind, size_t field_offset, size_t field_bytes)
+/* A field of records. */
+typedef struct record_field {
+    const void *records;
+    size_t count, record_bytes;
+    size_t offset, bytes; /* of the field, at most SEND_FIELD_BYTES */
+} record_field;
+
+/* It, of all records, as an array of its own. */
+static int send_field(const record_field *field, int stream, stream_kind kind)
 {
-    uint8_t block[SEND_BLOCK_COUNT * sizeof mesh->vertices->position];
-    const uint64_t payload_bytes = (uint64_t)mesh->vertex_count * field_bytes;
+    uint8_t block[SEND_BLOCK_COUNT * SEND_FIELD_BYTES];
+    const uint64_t payload_bytes = (uint64_t)field->count * field->bytes;
     if (svo_i_stream_begin(stream, kind, payload_bytes) != 0) {
         return -1;
     }
-    for (size_t begin = 0; begin < mesh->vertex_count; begin += SEND_BLOCK_COUNT) {
-        const size_t left_count = mesh->vertex_count - begin;
+    for (size_t begin = 0; begin < field->count; begin += SEND_BLOCK_COUNT) {
+        const size_t left_count = field->count - begin;
         const size_t count = left_count < SEND_BLOCK_COUNT ? left_count : SEND_BLOCK_COUNT;
         for (size_t i = 0; i < count; ++i) {
-            const uint8_t *vertex = (const uint8_t *)&mesh->vertices[begin + i];
-            memcpy(block + i * field_bytes, vertex + field_offset, field_bytes);
+            const uint8_t *record = (const uint8_t *)field->records + (begin + i) * field->record_bytes;
+            memcpy(block + i * field->bytes, record + field->offset, field->bytes);
         }
-        if (svo_i_stream_write(stream, block, count * field_bytes) != 0) {
+        if (svo_i_stream_write(stream, block, count * field->bytes) != 0) {
             return -1;
         }
     }
     return svo_i_stream_pad(stream, payload_bytes);
 }
 
-int svo_i_gather_send(const gather *mesh, int stream)
+/* Materials, and of these what some have. */
+static int send_materials(const gather *mesh, int stream)
 {
-    const gather_vertex *vertex = NULL;
-    if (send_field(mesh, stream, STREAM_POSITIONS, offsetof(gather_vertex, position), sizeof vertex->position) != 0) {
-        return -1;
-    }
-    if (mesh->has_normals &&
-        send_field(mesh, stream, STREAM_NORMALS, offsetof(gather_vertex, normal), sizeof vertex->normal) != 0) {
-        return -1;
-    }
-    if (mesh->has_colors &&
-        send_field(mesh, stream, STREAM_COLORS, offsetof(gather_vertex, color), sizeof vertex->color) != 0) {
-        return -1;
-    }
-    if (mesh->has_uvs && send_field(mesh, stream, STREAM_UVS, offsetof(gather_vertex, uv), sizeof vertex->uv) != 0) {
-        return -1;
+    const gather_material *material = NULL;
+    const record_field bases = {mesh->materials, mesh->material_count, sizeof *material,
+                                offsetof(gather_material, base), sizeof material->base};
+    const record_field finishes = {mesh->materials, mesh->material_count, sizeof *material,
+                                   offsetof(gather_material, finish), sizeof material->finish};
+    const record_field maps = {mesh->materials, mesh->material_count, sizeof *material,
+                               offsetof(gather_material, normal_map), sizeof material->normal_map};
+    bool all_diffuse = true;
+    bool has_maps = false;
+    for (size_t i = 0; i < mesh->material_count; ++i) {
+        all_diffuse = all_diffuse && is_diffuse(&mesh->materials[i]);
+        has_maps = has_maps || mesh->materials[i].normal_map.texture_index != SVO_NO_TEXTURE;
     }
     if (mesh->material_count > 0 &&
-        (svo_i_stream_frame(stream, STREAM_MATERIALS, mesh->materials,
-                            mesh->material_count * sizeof *mesh->materials) != 0 ||
+        (send_field(&bases, stream, STREAM_MATERIALS) != 0 ||
          svo_i_stream_frame(stream, STREAM_TRIANGLE_MATERIALS, mesh->triangle_materials,
                             mesh->triangle_count * sizeof *mesh->triangle_materials) != 0)) {
         return -1;
     }
-    if (!is_diffuse(mesh) && svo_i_stream_frame(stream, STREAM_FINISHES, mesh->finishes,
-                                                mesh->material_count * sizeof *mesh->finishes) != 0) {
+    if (!all_diffuse && send_field(&finishes, stream, STREAM_FINISHES) != 0) {
+        return -1;
+    }
+    return has_maps ? send_field(&maps, stream, STREAM_NORMAL_MAPS) : 0;
+}
+
+static int send_vertices(const gather *mesh, int stream, stream_kind kind, size_t offset, size_t bytes)
+{
+    const record_field field = {mesh->vertices, mesh->vertex_count, sizeof *mesh->vertices, offset, bytes};
+    return send_field(&field, stream, kind);
+}
+
+int svo_i_gather_send(const gather *mesh, int stream)
+{
+    const gather_vertex *vertex = NULL;
+    if (send_vertices(mesh, stream, STREAM_POSITIONS, offsetof(gather_vertex, position), sizeof vertex->position) !=
+        0) {
+        return -1;
+    }
+    if (mesh->has_normals &&
+        send_vertices(mesh, stream, STREAM_NORMALS, offsetof(gather_vertex, normal), sizeof vertex->normal) != 0) {
+        return -1;
+    }
+    if (mesh->has_colors &&
+        send_vertices(mesh, stream, STREAM_COLORS, offsetof(gather_vertex, color), sizeof vertex->color) != 0) {
+        return -1;
+    }
+    if (mesh->has_uvs && send_vertices(mesh, stream, STREAM_UVS, offsetof(gather_vertex, uv), sizeof vertex->uv) != 0) {
+        return -1;
+    }
+    if (send_materials(mesh, stream) != 0) {
         return -1;
     }
     if (mesh->file_vertices != NULL && svo_i_stream_frame(stream, STREAM_FILE_VERTICES, mesh->file_vertices,

@@ -30,6 +30,12 @@ typedef struct gather_slot {
     uint32_t index; /* GATHER_NO_VERTEX: free */
 } gather_slot;
 
+typedef struct gather_material {
+    svo_material base;
+    svo_finish finish;
+    svo_normal_map normal_map;
+} gather_material;
+
 typedef struct gather {
     bool has_normals, has_colors, has_uvs;
     gather_vertex *vertices;
@@ -39,8 +45,7 @@ typedef struct gather {
     uint32_t *indices; /* three per triangle; GATHER_NO_VERTEX: the file names a vertex that does not exist */
     uint16_t *triangle_materials;
     size_t triangle_count, triangle_capacity;
-    svo_material *materials;
-    svo_finish *finishes; /* of the materials */
+    gather_material *materials;
     size_t material_count, material_capacity;
     uint32_t *file_vertices; /* per vertex of the file the mesh's; GATHER_NO_VERTEX: in no face. NULL: not known */
     size_t file_vertex_count;
@@ -54,8 +59,12 @@ bool svo_i_gather_vertex(gather *mesh, const gather_vertex *vertex, uint32_t *in
 /* Adds a vertex that is known to be new; svo_i_gather_vertex does not find it. */
 bool svo_i_gather_append(gather *mesh, const gather_vertex *vertex, uint32_t *index);
 bool svo_i_gather_triangle(gather *mesh, const uint32_t corners[3], uint16_t material);
-/* The new one is the last. finish: NULL means diffuse. */
-bool svo_i_gather_material(gather *mesh, const svo_material *material, const svo_finish *finish);
+/* White and diffuse, without textures. */
+gather_material svo_i_gather_plain_material(void);
+/* Whether it has a texture, so that its triangles need texture coordinates. */
+bool svo_i_gather_is_textured(const gather_material *material);
+/* The new one is the last. */
+bool svo_i_gather_material(gather *mesh, const gather_material *material);
 /* If all materials are plain white and diffuse, the mesh is stored without any. */
 void svo_i_gather_drop_plain_materials(gather *mesh);
 void svo_i_gather_free(gather *mesh);

@@ -112,13 +112,12 @@ typedef struct gltf_uvs {
 } gltf_uvs;
 
 typedef struct gltf_look {
-    svo_material material;
-    svo_finish finish;
+    gather_material material;
     gltf_alpha alpha;
-    gltf_uvs uvs;
+    gltf_uvs uvs; /* of its textures */
 } gltf_look;
 
-/* A material of the file; index GLTF_NONE: the default one. with_texture: false leaves its texture out. A new image is
+/* A material of the file; index GLTF_NONE: the default one. with_texture: false leaves its textures out. A new image is
    sent, or a warning. */
 svo_status svo_i_gltf_material(gltf_file *file, texture_list *textures, uint32_t index, bool with_texture,
                                gltf_look *look);

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Materials of glTF (specification, 3.9): base color, its texture, emission, and what alpha means. Factors are linear
- * in the file and sRGB in svo_material, as texels are in both, so that a build's products of bytes are close to
- * products of light. Metal, roughness and what else changes highlights alone is not read.
+ * Materials of glTF (specification, 3.9): base color, its texture, emission, normal map, and what alpha means. Factors
+ * are linear in the file and sRGB in svo_material, as texels are in both, so that a build's products of bytes are close
+ * to products of light. Metal, roughness and what else changes highlights alone is not read.
  */
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -102,7 +103,19 @@ static svo_status send_image(gltf_file *file, texture_list *textures, uint32_t i
     return done ? SVO_OK : svo_i_read_out_of_memory(file->reader);
 }
 
-static svo_status add_texture(gltf_file *file, texture_list *textures, const cJSON *info, gltf_look *look)
+/* Whether textures lie alike on a surface. */
+static bool placed_alike(const gltf_uvs *a, const gltf_uvs *b)
+{
+    bool alike = a->set == b->set;
+    for (int i = 0; i < 6; ++i) {
+        alike = alike && a->matrix[i / 3][i % 3] == b->matrix[i / 3][i % 3];
+    }
+    return alike;
+}
+
+/* Sends the texture that info names, if any. alpha_from: as in texture_source. */
+static svo_status add_texture(gltf_file *file, texture_list *textures, const cJSON *info, int alpha_from,
+                              uint32_t *index)
 {
     uint32_t texture = GLTF_NONE;
     uint32_t image = GLTF_NONE;
@@ -114,15 +127,33 @@ static svo_status add_texture(gltf_file *file, texture_list *textures, const cJS
     const cJSON *item = file->tables[GLTF_TEXTURE].items[texture];
     SVO_I_TRY(svo_i_gltf_index(file, item, "source", GLTF_IMAGE, &image));
     SVO_I_TRY(svo_i_gltf_index(file, item, "sampler", GLTF_SAMPLER, &sampler));
-    SVO_I_TRY(read_uvs(file, info, &look->uvs));
     if (image == GLTF_NONE) {
         svo_i_read_warn(file->reader, "texture %" PRIu32 " has no image that is read, white is used", texture);
         return SVO_OK;
     }
     const cJSON *wraps = sampler != GLTF_NONE ? file->tables[GLTF_SAMPLER].items[sampler] : NULL;
     texture_source source = {
-        .wrap_u = wrap_of(wraps, "wrapS"), .wrap_v = wrap_of(wraps, "wrapT"), .alpha_from = alpha_from(&look->alpha)};
-    return send_image(file, textures, image, &source, &look->material.texture_index);
+        .wrap_u = wrap_of(wraps, "wrapS"), .wrap_v = wrap_of(wraps, "wrapT"), .alpha_from = alpha_from};
+    return send_image(file, textures, image, &source, index);
+}
+
+static svo_status add_normal_map(gltf_file *file, texture_list *textures, const cJSON *info, gltf_look *look)
+{
+    gltf_uvs uvs;
+    double scale = 1;
+    if (info == NULL) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(read_uvs(file, info, &uvs));
+    SVO_I_TRY(svo_i_gltf_numbers(file, info, "scale", &scale, 1));
+    if (look->material.base.texture_index == SVO_NO_TEXTURE) {
+        look->uvs = uvs;
+    } else if (!placed_alike(&uvs, &look->uvs)) {
+        svo_i_read_warn(file->reader, "a normal map lies otherwise than the color and is left out");
+        return SVO_OK;
+    }
+    look->material.normal_map.scale = isfinite((float)scale) ? (float)scale : 1;
+    return add_texture(file, textures, info, TEXTURE_KEEP_ALPHA, &look->material.normal_map.texture_index);
 }
 
 /* ---- materials ---- */
@@ -155,7 +186,7 @@ svo_status svo_i_gltf_material(gltf_file *file, texture_list *textures, uint32_t
     const cJSON *gloss = svo_i_gltf_extension(source, "KHR_materials_pbrSpecularGlossiness");
     const cJSON *texture = svo_i_gltf_get(gloss, "diffuseTexture");
     double color[4] = {1, 1, 1, 1};
-    *look = (gltf_look){.material.texture_index = SVO_NO_TEXTURE, .uvs.is_identity = true};
+    *look = (gltf_look){.material = svo_i_gather_plain_material(), .uvs.is_identity = true};
     if (gloss != NULL) {
         SVO_I_TRY(svo_i_gltf_numbers(file, gloss, "diffuseFactor", color, 4));
     } else {
@@ -164,10 +195,16 @@ svo_status svo_i_gltf_material(gltf_file *file, texture_list *textures, uint32_t
     texture = texture != NULL ? texture : svo_i_gltf_get(metal, "baseColorTexture");
     SVO_I_TRY(read_alpha(file, source, color[3], &look->alpha));
     for (int i = 0; i < 3; ++i) {
-        look->material.rgba[i] = svo_i_srgb_byte(color[i]);
+        look->material.base.rgba[i] = svo_i_srgb_byte(color[i]);
     }
     /* Of a mask, what the factor does is in the texels and vertices already. */
-    look->material.rgba[3] = svo_i_gltf_alpha_byte(&look->alpha, look->alpha.is_mask ? 1 : color[3]);
-    SVO_I_TRY(read_finish(file, source, gloss, &look->finish));
-    return with_texture ? add_texture(file, textures, texture, look) : SVO_OK;
+    look->material.base.rgba[3] = svo_i_gltf_alpha_byte(&look->alpha, look->alpha.is_mask ? 1 : color[3]);
+    SVO_I_TRY(read_finish(file, source, gloss, &look->material.finish));
+    if (!with_texture) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(read_uvs(file, texture, &look->uvs));
+    SVO_I_TRY(add_texture(file, textures, texture, alpha_from(&look->alpha), &look->material.base.texture_index));
+    return file->reader->normal_maps ? add_normal_map(file, textures, svo_i_gltf_get(source, "normalTexture"), look)
+                                     : SVO_OK;
 }

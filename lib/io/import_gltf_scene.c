@@ -192,7 +192,7 @@ static svo_status find_material(gltf_scene *scene, const cJSON *item, primitive 
                               MATERIALS_MAX);
         }
         SVO_I_TRY(svo_i_gltf_material(&scene->file, &scene->textures, index, textured, look));
-        if (!svo_i_gather_material(mesh, &look->material, &look->finish)) {
+        if (!svo_i_gather_material(mesh, &look->material)) {
             return svo_i_read_out_of_memory(scene->file.reader);
         }
         entry->index[textured] = (uint16_t)(mesh->material_count - 1);
@@ -219,7 +219,7 @@ static svo_status open_primitive(gltf_scene *scene, const cJSON *item, primitive
     SVO_I_TRY(open_attribute(scene, attributes, "POSITION", 3, 3, p, &p->positions));
     SVO_I_TRY(open_attribute(scene, attributes, "NORMAL", 3, 3, p, &p->normals));
     SVO_I_TRY(open_attribute(scene, attributes, "COLOR_0", 3, 4, p, &p->colors));
-    if (p->look->material.texture_index != SVO_NO_TEXTURE) {
+    if (svo_i_gather_is_textured(&p->look->material)) {
         (void)snprintf(set, sizeof set, "TEXCOORD_%" PRIu32, p->look->uvs.set);
         const char *name = svo_i_gltf_get(attributes, set) != NULL ? set : "TEXCOORD_0";
         SVO_I_TRY(open_attribute(scene, attributes, name, 2, 2, p, &p->uvs));

@@ -8,6 +8,7 @@
 #include "io/import_obj_mesh.h"
 
 #include <inttypes.h>
+#include <math.h>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -94,7 +95,6 @@ uint32_t svo_i_mtl_find(mtl_library *library, const char *name, size_t length)
     *material = (mtl_material){.name = copy,
                                .diffuse = {DEFAULT_GRAY, DEFAULT_GRAY, DEFAULT_GRAY},
                                .opacity = 1,
-                               .uv_scale = {1, 1},
                                .index = {MTL_NO_MATERIAL, MTL_NO_MATERIAL}};
     library->slots[slot] = (uint32_t)library->materials.count - 1;
     return library->slots[slot];
@@ -104,7 +104,8 @@ void svo_i_mtl_free(mtl_library *library)
 {
     for (uint32_t i = 0; i < library->materials.count; ++i) {
         free(svo_i_mtl_get(library, i)->name);
-        free(svo_i_mtl_get(library, i)->texture);
+        free(svo_i_mtl_get(library, i)->color.name);
+        free(svo_i_mtl_get(library, i)->bump.name);
     }
     free(library->materials.items);
     free(library->slots);
@@ -182,20 +183,22 @@ static void read_pair(text_cursor *cursor, float pair[2])
 }
 
 /* One option of a texture statement and its values. */
-static void read_texture_option(mtl_reader *mtl, mtl_material *material)
+static void read_texture_option(mtl_reader *mtl, mtl_texture *texture)
 {
     text_cursor *cursor = &mtl->cursor;
     float ignored[2];
     if (text_take_keyword(cursor, "-clamp")) {
         (void)text_skip_blanks(cursor);
-        material->clamps = text_take_keyword(cursor, "on");
+        texture->clamps = text_take_keyword(cursor, "on");
         text_skip_word(cursor);
     } else if (text_take_keyword(cursor, "-o")) {
-        read_pair(cursor, material->uv_offset);
+        read_pair(cursor, texture->uv_offset);
     } else if (text_take_keyword(cursor, "-s")) {
-        read_pair(cursor, material->uv_scale);
+        read_pair(cursor, texture->uv_scale);
     } else if (text_take_keyword(cursor, "-t") || text_take_keyword(cursor, "-mm")) {
         read_pair(cursor, ignored);
+    } else if (text_take_keyword(cursor, "-bm")) {
+        (void)take_number(cursor, &texture->bump);
     } else {
         text_skip_word(cursor);
         (void)text_skip_blanks(cursor);
@@ -203,21 +206,17 @@ static void read_texture_option(mtl_reader *mtl, mtl_material *material)
     }
 }
 
-static svo_status read_texture(mtl_reader *mtl, mtl_material *material)
+static svo_status read_texture(mtl_reader *mtl, mtl_texture *texture)
 {
     size_t length = 0;
-    material->clamps = false;
+    free(texture->name);
+    *texture = (mtl_texture){.uv_scale = {1, 1}, .bump = 1};
     while (text_skip_blanks(&mtl->cursor) && *mtl->cursor.at == '-') {
-        read_texture_option(mtl, material);
+        read_texture_option(mtl, texture);
     }
     const char *path = text_rest_of_line(&mtl->cursor, &length);
-    char *copy = text_copy(path, length);
-    if (copy == NULL) {
-        return svo_i_read_out_of_memory(mtl->reader);
-    }
-    free(material->texture);
-    material->texture = copy;
-    return SVO_OK;
+    texture->name = text_copy(path, length);
+    return texture->name != NULL ? SVO_OK : svo_i_read_out_of_memory(mtl->reader);
 }
 
 static svo_status read_name(mtl_reader *mtl)
@@ -251,7 +250,13 @@ static svo_status read_statement(mtl_reader *mtl)
     } else if (text_take_keyword(cursor, "Ns")) {
         read_exponent(mtl, material);
     } else if (text_take_keyword(cursor, "map_Kd")) {
-        return read_texture(mtl, material);
+        return read_texture(mtl, &material->color);
+    } else if (text_take_keyword(cursor, "norm")) {
+        material->has_norm = true;
+        return read_texture(mtl, &material->bump);
+    } else if (!material->has_norm && (text_take_keyword(cursor, "map_Bump") || text_take_keyword(cursor, "map_bump") ||
+                                       text_take_keyword(cursor, "bump"))) {
+        return read_texture(mtl, &material->bump);
     } else if (text_take_keyword(cursor, "d")) {
         read_opacity(mtl, material, false);
     } else if (text_take_keyword(cursor, "Tr")) {
@@ -283,7 +288,7 @@ svo_status svo_i_mtl_read(mtl_library *library, const mesh_reader *reader, const
 
 static svo_material base_of(const mtl_material *source)
 {
-    svo_material material = {.rgba = {255, 255, 255, 255}, .texture_index = SVO_NO_TEXTURE};
+    svo_material material = svo_i_gather_plain_material().base;
     const bool is_gray =
         source->diffuse[0] == DEFAULT_GRAY && source->diffuse[1] == DEFAULT_GRAY && source->diffuse[2] == DEFAULT_GRAY;
     if (is_gray && (source->name[0] == '\0' || strcmp(source->name, DEFAULT_NAME) == 0)) {
@@ -296,36 +301,74 @@ static svo_material base_of(const mtl_material *source)
     return material;
 }
 
+static bool is_named(const mtl_texture *texture)
+{
+    return texture->name != NULL && texture->name[0] != '\0';
+}
+
+/* The texture whose transform coordinates get. */
+static const mtl_texture *placing_texture(const mtl_material *material)
+{
+    return is_named(&material->color) ? &material->color : &material->bump;
+}
+
+static bool placed_alike(const mtl_texture *a, const mtl_texture *b)
+{
+    return a->uv_scale[0] == b->uv_scale[0] && a->uv_scale[1] == b->uv_scale[1] && a->uv_offset[0] == b->uv_offset[0] &&
+           a->uv_offset[1] == b->uv_offset[1];
+}
+
+static svo_status load_texture(const mesh_reader *reader, texture_list *textures, const mtl_texture *texture,
+                               bool is_bump, uint32_t *index)
+{
+    const svo_wrap wrap = texture->clamps ? SVO_WRAP_CLAMP : SVO_WRAP_REPEAT;
+    const texture_source image = {
+        .name = texture->name, .wrap_u = wrap, .wrap_v = wrap, .alpha_from = TEXTURE_KEEP_ALPHA, .is_bump = is_bump};
+    return svo_i_import_texture(textures, &image, index) ? SVO_OK : svo_i_read_out_of_memory(reader);
+}
+
+/* Loads and sends the textures of a material. */
+static svo_status load_textures(const mesh_reader *reader, texture_list *textures, const mtl_material *source,
+                                gather_material *material)
+{
+    if (is_named(&source->color)) {
+        SVO_I_TRY(load_texture(reader, textures, &source->color, false, &material->base.texture_index));
+    }
+    if (!reader->normal_maps || !is_named(&source->bump)) {
+        return SVO_OK;
+    }
+    if (!placed_alike(&source->bump, placing_texture(source))) {
+        svo_i_read_warn(reader, "material %s: the normal map %s lies otherwise than the color and is left out",
+                        source->name, source->bump.name);
+        return SVO_OK;
+    }
+    material->normal_map.scale = isfinite(source->bump.bump) ? source->bump.bump : 1;
+    return load_texture(reader, textures, &source->bump, !source->has_norm, &material->normal_map.texture_index);
+}
+
 /*
  * The index of a material in the gathered mesh. number: MTL_NO_MATERIAL for faces before any "usemtl", which are white.
- * textured: the faces have texture coordinates; the texture is then loaded and sent.
+ * textured: the faces have texture coordinates; textures are then loaded and sent.
  */
-static svo_status gather_material(mtl_library *library, const mesh_reader *reader, texture_list *textures,
-                                  uint32_t number, bool textured, uint32_t *default_index, uint16_t *index)
+static svo_status find_material(mtl_library *library, const mesh_reader *reader, texture_list *textures,
+                                uint32_t number, bool textured, uint32_t *default_index, uint16_t *index)
 {
     mtl_material *source = number != MTL_NO_MATERIAL ? svo_i_mtl_get(library, number) : NULL;
     uint32_t *known = source != NULL ? &source->index[textured] : default_index;
     if (*known == MTL_NO_MATERIAL) {
-        svo_material material = {.rgba = {255, 255, 255, 255}, .texture_index = SVO_NO_TEXTURE};
-        svo_finish finish = {.exponent = 0};
+        gather_material material = svo_i_gather_plain_material();
         if (reader->mesh->material_count == MATERIALS_MAX) {
             return svo_i_fail(reader->message, SVO_IMPORT_FAILED, "it has more than %d materials", MATERIALS_MAX);
         }
         if (source != NULL) {
-            material = base_of(source);
-            finish = source->finish;
-            svo_i_import_tame_finish(&finish);
+            material.base = base_of(source);
+            material.finish = source->finish;
+            svo_i_import_tame_finish(&material.finish);
         }
-        if (source != NULL && textured && source->texture != NULL && source->texture[0] != '\0' &&
-            reader->path != NULL) {
-            const svo_wrap wrap = source->clamps ? SVO_WRAP_CLAMP : SVO_WRAP_REPEAT;
-            const texture_source image = {
-                .name = source->texture, .wrap_u = wrap, .wrap_v = wrap, .alpha_from = TEXTURE_KEEP_ALPHA};
-            if (!svo_i_import_texture(textures, &image, &material.texture_index)) {
-                return svo_i_read_out_of_memory(reader);
-            }
+        if (source != NULL && textured && reader->path != NULL) {
+            SVO_I_TRY(load_textures(reader, textures, source, &material));
         }
-        if (!svo_i_gather_material(reader->mesh, &material, &finish)) {
+        if (!svo_i_gather_material(reader->mesh, &material)) {
             return svo_i_read_out_of_memory(reader);
         }
         *known = (uint32_t)reader->mesh->material_count - 1;
@@ -372,7 +415,8 @@ static gather_vertex make_vertex(const obj_mesh *mesh, const obj_corner *corner)
     if (mesh->textured) {
         static const float none[2] = {0, 0};
         const float *uv = corner->uv != OBJ_NONE ? (const float *)file->uvs.items + 2 * (size_t)corner->uv : none;
-        const float *scale = mesh->material->uv_scale, *offset = mesh->material->uv_offset;
+        const mtl_texture *placing = placing_texture(mesh->material);
+        const float *scale = placing->uv_scale, *offset = placing->uv_offset;
         vertex.uv[0] = uv[0] * scale[0] + offset[0];
         vertex.uv[1] = 1 - (uv[1] * scale[1] + offset[1]); /* v = 0 is OBJ's last row and svo_texture's first */
     }
@@ -474,18 +518,16 @@ static void forget_known(obj_mesh *mesh)
 
 static bool transforms_alike(const mtl_material *a, const mtl_material *b)
 {
-    return a == NULL || b == NULL ||
-           (a->uv_scale[0] == b->uv_scale[0] && a->uv_scale[1] == b->uv_scale[1] &&
-            a->uv_offset[0] == b->uv_offset[0] && a->uv_offset[1] == b->uv_offset[1]);
+    return a == NULL || b == NULL || placed_alike(placing_texture(a), placing_texture(b));
 }
 
 static svo_status begin_run(obj_mesh *mesh, const obj_run *run, uint32_t *default_index, uint16_t *material)
 {
     const mesh_reader *reader = mesh->reader;
     const bool has_uvs = run->has_uvs && mesh->file->uvs.count > 0;
-    SVO_I_TRY(gather_material(&mesh->file->library, reader, &mesh->textures, run->material, has_uvs, default_index,
-                              material));
-    mesh->textured = reader->mesh->materials[*material].texture_index != SVO_NO_TEXTURE;
+    SVO_I_TRY(
+        find_material(&mesh->file->library, reader, &mesh->textures, run->material, has_uvs, default_index, material));
+    mesh->textured = svo_i_gather_is_textured(&reader->mesh->materials[*material]);
     if (mesh->textured) {
         const mtl_material *source = svo_i_mtl_get(&mesh->file->library, run->material);
         if (!transforms_alike(mesh->material, source)) {

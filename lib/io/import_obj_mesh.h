@@ -10,15 +10,22 @@
 
 #define MTL_NO_MATERIAL UINT32_MAX
 
+/* A texture statement. */
+typedef struct mtl_texture {
+    char *name; /* NULL: none */
+    bool clamps;
+    float uv_scale[2], uv_offset[2];
+    float bump; /* -bm */
+} mtl_texture;
+
 typedef struct mtl_material {
     char *name;
     bool is_defined; /* by an MTL file, and not only used */
     uint64_t used_line; /* of the first "usemtl" */
     float diffuse[3], opacity;
     svo_finish finish; /* as the file has it */
-    char *texture; /* NULL: none */
-    bool clamps;
-    float uv_scale[2], uv_offset[2];
+    mtl_texture color, bump;
+    bool has_norm; /* bump is that of "norm" */
     uint32_t index[2]; /* in the gathered mesh, without and with its texture; MTL_NO_MATERIAL: not gathered yet */
 } mtl_material;
 

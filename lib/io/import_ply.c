@@ -17,7 +17,7 @@ typedef struct ply_reader {
     ply_source source;
     face_list faces;
     bool has_vertices;
-    svo_material material;
+    gather_material material;
 } ply_reader;
 
 /* Vertices */
@@ -194,7 +194,7 @@ static svo_status read_materials(ply_reader *ply, const ply_element *element)
         svo_i_ply_end_instance(source);
     }
     if (has_color) {
-        memcpy(ply->material.rgba, rgba, sizeof rgba);
+        memcpy(ply->material.base.rgba, rgba, sizeof rgba);
     }
     if (element->count > 1) {
         svo_i_read_warn(ply->reader, "%" PRIu64 " materials; the whole mesh gets the first", element->count);
@@ -237,8 +237,8 @@ static svo_status read_texture(ply_reader *ply)
     }
     texture_list textures = {.mesh_path = reader->path, .stream = reader->stream, .work = reader->work};
     const texture_source image = {.name = ply->header.texture_file, .alpha_from = TEXTURE_KEEP_ALPHA};
-    const bool done = svo_i_import_texture(&textures, &image, &ply->material.texture_index);
-    reader->mesh->has_uvs = ply->material.texture_index != SVO_NO_TEXTURE;
+    const bool done = svo_i_import_texture(&textures, &image, &ply->material.base.texture_index);
+    reader->mesh->has_uvs = ply->material.base.texture_index != SVO_NO_TEXTURE;
     svo_i_texture_list_free(&textures);
     return done ? SVO_OK : svo_i_read_out_of_memory(reader);
 }
@@ -265,7 +265,7 @@ static svo_status read_all(ply_reader *ply)
     if (source->format != PLY_ASCII && left_bytes > 0) {
         svo_i_read_warn(ply->reader, "%" PRIu64 " bytes follow after the elements that are declared", left_bytes);
     }
-    if (!svo_i_gather_material(ply->reader->mesh, &ply->material, NULL)) {
+    if (!svo_i_gather_material(ply->reader->mesh, &ply->material)) {
         return svo_i_read_out_of_memory(ply->reader);
     }
     svo_i_gather_drop_plain_materials(ply->reader->mesh);
@@ -276,7 +276,7 @@ svo_status svo_i_read_ply(mesh_reader *reader)
 {
     ply_reader ply = {.reader = reader,
                       .source = {.reader = reader, .numbers = {.reader = reader}},
-                      .material = {.rgba = {255, 255, 255, 255}, .texture_index = SVO_NO_TEXTURE}};
+                      .material = svo_i_gather_plain_material()};
     const svo_status status = read_all(&ply);
     svo_i_faces_free(&ply.faces);
     svo_i_ply_header_free(&ply.header);

@@ -24,6 +24,7 @@
 #include <unistd.h>
 
 #include "core/message.h"
+#include "io/import_bump.h"
 
 /* Static: a program that links the library may have its own stb_image. */
 #define STB_IMAGE_STATIC
@@ -379,6 +380,16 @@ static int send_texture(texture_list *textures, const texture_source *source, te
     if (entry->alpha_from != TEXTURE_KEEP_ALPHA) {
         cut_out(pixels, (size_t)width * (size_t)height, entry->alpha_from);
     }
+    if (entry->is_bump) {
+        uint8_t *normals =
+            svo_i_import_normals_of_bump(pixels, (size_t)width, (size_t)height, entry->wrap_u, entry->wrap_v);
+        free(pixels);
+        pixels = normals;
+        if (pixels == NULL) {
+            return svo_i_stream_text(textures->stream, STREAM_WARNING,
+                                     "texture %s cannot be read, white is used: out of memory", entry->name);
+        }
+    }
     const int result = send_pixels(textures->stream, entry, pixels, width, height);
     free(pixels);
     entry->index = textures->texture_count++;
@@ -388,7 +399,8 @@ static int send_texture(texture_list *textures, const texture_source *source, te
 static bool is_same(const texture_entry *entry, const texture_source *source)
 {
     return strcmp(entry->name, source->name) == 0 && entry->wrap_u == source->wrap_u &&
-           entry->wrap_v == source->wrap_v && entry->alpha_from == source->alpha_from;
+           entry->wrap_v == source->wrap_v && entry->alpha_from == source->alpha_from &&
+           entry->is_bump == source->is_bump;
 }
 
 bool svo_i_import_texture(texture_list *textures, const texture_source *source, uint32_t *index)
@@ -413,6 +425,7 @@ bool svo_i_import_texture(texture_list *textures, const texture_source *source, 
                              .wrap_u = source->wrap_u,
                              .wrap_v = source->wrap_v,
                              .alpha_from = source->alpha_from,
+                             .is_bump = source->is_bump,
                              .index = SVO_NO_TEXTURE};
     if (entry->name == NULL) {
         return false;

@@ -79,6 +79,7 @@ typedef struct mesh_reader {
     int stream; /* receives textures and warnings */
     stream_work *work; /* announced to it; NULL: no memory is limited */
     gather *mesh; /* receives the mesh */
+    bool normal_maps; /* are read */
     stream_counts *counts; /* receives what the file declares and what was read */
     svo_message *message;
 } mesh_reader;
@@ -130,6 +131,7 @@ typedef struct texture_source {
     size_t byte_count;
     svo_wrap wrap_u, wrap_v;
     int alpha_from; /* texels of at least this alpha (0 .. 256) are opaque, others transparent; or TEXTURE_KEEP_ALPHA */
+    bool is_bump; /* normals are wanted: heights become such */
 } texture_source;
 
 /* An image as a material asks for it. Each is decoded and sent once, also where that fails. */
@@ -137,6 +139,7 @@ typedef struct texture_entry {
     char *name;
     svo_wrap wrap_u, wrap_v;
     int alpha_from;
+    bool is_bump;
     uint32_t index; /* SVO_NO_TEXTURE: it could not be read */
 } texture_entry;
 

@@ -140,7 +140,8 @@ static void watch_files(int stream, const char *path, scene_files *files)
 /*
  * ---- materials ----
  *
- * The diffuse or base color, that color's texture, emission and the specular lobe. Other properties are ignored.
+ * The diffuse or base color, that color's texture, emission, the specular lobe and a normal map. Other properties are
+ * ignored.
  */
 
 /* A texture's coordinates: a channel of the mesh, transformed to channel * scale + offset in assimp's orientation,
@@ -179,26 +180,77 @@ static bool read_uv_transform(const texture_list *textures, const struct aiMater
                                                       "a material rotates its texture; the rotation is ignored") == 0;
 }
 
-static bool add_texture(texture_list *textures, const struct aiMaterial *source, svo_material *material,
-                        texture_use *use)
+/* A texture of a material. */
+typedef struct found_texture {
+    struct aiString path; /* empty: none */
+    svo_wrap wrap_u, wrap_v;
+    texture_use use;
+} found_texture;
+
+/* The first texture of two types. Returns false when the parent has closed the pipe. */
+static bool find_texture(const texture_list *textures, const struct aiMaterial *source,
+                         const enum aiTextureType types[2], found_texture *found)
 {
-    struct aiString path;
     enum aiTextureMapMode modes[3] = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap, aiTextureMapMode_Wrap};
-    static const enum aiTextureType types[] = {aiTextureType_DIFFUSE, aiTextureType_BASE_COLOR};
-    for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i) {
+    *found = (found_texture){.use = {.scale = {1, 1}}};
+    for (size_t i = 0; i < 2; ++i) {
         if (aiGetMaterialTextureCount(source, types[i]) > 0 &&
-            aiGetMaterialTexture(source, types[i], 0, &path, NULL, &use->uv_channel, NULL, NULL, modes, NULL) ==
-                aiReturn_SUCCESS &&
-            path.length > 0) {
-            const texture_source image = {.name = path.data,
-                                          .wrap_u = wrap_of(modes[0]),
-                                          .wrap_v = wrap_of(modes[1]),
-                                          .alpha_from = TEXTURE_KEEP_ALPHA};
-            return read_uv_transform(textures, source, types[i], use) &&
-                   svo_i_import_texture(textures, &image, &material->texture_index);
+            aiGetMaterialTexture(source, types[i], 0, &found->path, NULL, &found->use.uv_channel, NULL, NULL, modes,
+                                 NULL) == aiReturn_SUCCESS &&
+            found->path.length > 0) {
+            found->wrap_u = wrap_of(modes[0]);
+            found->wrap_v = wrap_of(modes[1]);
+            return read_uv_transform(textures, source, types[i], &found->use);
         }
     }
+    found->path.length = 0;
     return true;
+}
+
+static bool send_found(texture_list *textures, const found_texture *found, bool is_bump, uint32_t *index)
+{
+    const texture_source image = {.name = found->path.data,
+                                  .wrap_u = found->wrap_u,
+                                  .wrap_v = found->wrap_v,
+                                  .alpha_from = TEXTURE_KEEP_ALPHA,
+                                  .is_bump = is_bump};
+    return svo_i_import_texture(textures, &image, index);
+}
+
+static bool placed_alike(const texture_use *a, const texture_use *b)
+{
+    return a->uv_channel == b->uv_channel && a->scale[0] == b->scale[0] && a->scale[1] == b->scale[1] &&
+           a->offset[0] == b->offset[0] && a->offset[1] == b->offset[1];
+}
+
+static bool add_textures(texture_list *textures, const struct aiMaterial *source, bool normal_maps,
+                         gather_material *material, texture_use *use)
+{
+    static const enum aiTextureType colors[2] = {aiTextureType_DIFFUSE, aiTextureType_BASE_COLOR};
+    static const enum aiTextureType bumps[2] = {aiTextureType_NORMALS, aiTextureType_HEIGHT};
+    found_texture color;
+    found_texture bump;
+    if (!find_texture(textures, source, colors, &color) ||
+        (color.path.length > 0 && !send_found(textures, &color, false, &material->base.texture_index))) {
+        return false;
+    }
+    *use = color.use;
+    if (!normal_maps) {
+        return true;
+    }
+    if (!find_texture(textures, source, bumps, &bump)) {
+        return false;
+    }
+    if (bump.path.length == 0) {
+        return true;
+    }
+    if (color.path.length > 0 && !placed_alike(&color.use, &bump.use)) {
+        return svo_i_stream_text(textures->stream, STREAM_WARNING,
+                                 "the normal map %s lies otherwise than the color and is left out",
+                                 bump.path.data) == 0;
+    }
+    *use = bump.use;
+    return send_found(textures, &bump, true, &material->normal_map.texture_index);
 }
 
 /* assimp adds a gray material where the file has none; it is no color of the mesh. */
@@ -229,20 +281,13 @@ static struct aiColor4D base_color(const struct aiMaterial *source)
     return color;
 }
 
-/*
- * The base color and color texture of a material. with_texture: false leaves the texture out, for meshes without
- * texture coordinates. Sends a new texture, or a warning when it cannot be read.
- * Returns false when memory runs out or the parent has closed the pipe.
- */
-static bool take_material(texture_list *textures, const struct aiMaterial *source, bool with_texture,
-                          svo_material *material, texture_use *use)
+/* The base color of a material, without textures. */
+static svo_material base_of(const struct aiMaterial *source)
 {
     const struct aiColor4D color = base_color(source);
-    *material = (svo_material){.rgba = {svo_i_import_color_byte(color.r), svo_i_import_color_byte(color.g),
-                                        svo_i_import_color_byte(color.b), svo_i_import_color_byte(color.a)},
-                               .texture_index = SVO_NO_TEXTURE};
-    *use = (texture_use){.scale = {1, 1}};
-    return !with_texture || add_texture(textures, source, material, use);
+    return (svo_material){.rgba = {svo_i_import_color_byte(color.r), svo_i_import_color_byte(color.g),
+                                   svo_i_import_color_byte(color.b), svo_i_import_color_byte(color.a)},
+                          .texture_index = SVO_NO_TEXTURE};
 }
 
 /* What a material does besides its color: emission, specular color and its exponent. */
@@ -274,6 +319,7 @@ typedef struct scene_reader {
     const struct aiScene *scene;
     const char *path;
     int stream;
+    bool normal_maps; /* are read */
     gather *mesh;
     mesh_plan *plans;
     const char *failure;
@@ -412,14 +458,13 @@ typedef struct material_entry {
     texture_use use;
 } material_entry;
 
-/* Gathers the material, with or without its texture, unless an earlier mesh did. */
+/* Gathers the material, with or without its textures, unless an earlier mesh did. New textures are sent, or a warning
+   where one cannot be read. Returns false when memory runs out or the parent has closed the pipe. */
 static bool add_material(scene_reader *reader, texture_list *textures, material_entry *entry, unsigned source_index,
                          bool textured)
 {
     const struct aiMaterial *source = reader->scene->mMaterials[source_index];
-    svo_material material;
-    svo_finish finish;
-    texture_use use;
+    gather_material material = svo_i_gather_plain_material();
     if (entry->index[textured] != UINT32_MAX) {
         return true;
     }
@@ -427,15 +472,13 @@ static bool add_material(scene_reader *reader, texture_list *textures, material_
         reader->failure = "it has more than 65535 materials";
         return false;
     }
-    take_finish(source, &finish);
-    if (!take_material(textures, source, textured, &material, &use) ||
-        !svo_i_gather_material(reader->mesh, &material, &finish)) {
+    material.base = base_of(source);
+    take_finish(source, &material.finish);
+    if ((textured && !add_textures(textures, source, reader->normal_maps, &material, &entry->use)) ||
+        !svo_i_gather_material(reader->mesh, &material)) {
         return false;
     }
     entry->index[textured] = (uint32_t)(reader->mesh->material_count - 1);
-    if (textured) {
-        entry->use = use;
-    }
     return true;
 }
 
@@ -456,7 +499,7 @@ static bool plan_mesh(scene_reader *reader, texture_list *textures, material_ent
         return false;
     }
     plan->material = (uint16_t)entry->index[textured];
-    if (textured && mesh->materials[plan->material].texture_index != SVO_NO_TEXTURE) {
+    if (textured && svo_i_gather_is_textured(&mesh->materials[plan->material])) {
         const unsigned channel = entry->use.uv_channel;
         plan->use = entry->use;
         plan->uvs = channel < AI_MAX_NUMBER_OF_TEXTURECOORDS ? source->mTextureCoords[channel] : NULL;
@@ -491,7 +534,8 @@ static const char *gather_scene(const struct aiScene *scene, const mesh_reader *
     if (scene->mRootNode == NULL) {
         return "no triangles";
     }
-    scene_reader reader = {.scene = scene, .path = to->path, .stream = stream, .mesh = mesh};
+    scene_reader reader = {
+        .scene = scene, .path = to->path, .stream = stream, .normal_maps = to->normal_maps, .mesh = mesh};
     texture_list textures = {.scene = scene, .mesh_path = to->path, .stream = stream, .work = to->work};
     const transform world = transform_identity();
     if (plan_meshes(&reader, &textures) && gather_node(&reader, scene->mRootNode, &world, 0)) {

@@ -306,7 +306,8 @@ static svo_status check_lengths(parse_state *state)
         !length_fits(state, STREAM_INDICES, mesh->triangle_count, triangle_bytes) ||
         !length_fits(state, STREAM_TRIANGLE_MATERIALS, mesh->triangle_count, sizeof(uint16_t)) ||
         !length_fits(state, STREAM_MATERIALS, mesh->material_count, sizeof(svo_material)) ||
-        !length_fits(state, STREAM_FINISHES, mesh->material_count, sizeof(svo_finish))) {
+        !length_fits(state, STREAM_FINISHES, mesh->material_count, sizeof(svo_finish)) ||
+        !length_fits(state, STREAM_NORMAL_MAPS, mesh->material_count, sizeof(svo_normal_map))) {
         return malformed(state, "the arrays do not fit each other");
     }
     return SVO_OK;
@@ -364,6 +365,11 @@ static bool finish_is_sound(const svo_finish *finish)
     return sound;
 }
 
+static bool texture_exists(const svo_mesh *mesh, uint32_t index)
+{
+    return index == SVO_NO_TEXTURE || index < mesh->texture_count;
+}
+
 static svo_status check_materials(const parse_state *state)
 {
     const svo_mesh *mesh = &state->import->mesh;
@@ -373,9 +379,14 @@ static svo_status check_materials(const parse_state *state)
         }
     }
     for (size_t i = 0; i < mesh->material_count; ++i) {
-        const uint32_t texture_index = mesh->materials[i].texture_index;
-        if (texture_index != SVO_NO_TEXTURE && texture_index >= mesh->texture_count) {
+        if (!texture_exists(mesh, mesh->materials[i].texture_index)) {
             return malformed(state, "a material's texture does not exist");
+        }
+    }
+    for (size_t i = 0; mesh->normal_maps != NULL && i < mesh->material_count; ++i) {
+        const svo_normal_map *map = &mesh->normal_maps[i];
+        if (!texture_exists(mesh, map->texture_index) || !isfinite(map->scale)) {
+            return malformed(state, "a material's normal map does not exist or has no scale");
         }
     }
     for (size_t i = 0; mesh->triangle_materials != NULL && i < mesh->triangle_count; ++i) {
@@ -400,6 +411,7 @@ static void fill_mesh(const parse_state *state)
     mesh->materials = (const svo_material *)(const void *)state->payload[STREAM_MATERIALS];
     mesh->textures = state->import->textures;
     mesh->finishes = (const svo_finish *)(const void *)state->payload[STREAM_FINISHES];
+    mesh->normal_maps = (const svo_normal_map *)(const void *)state->payload[STREAM_NORMAL_MAPS];
 }
 
 svo_status svo_i_stream_parse(svo_import *import, const char *path, bool strict, svo_log_callback log, void *log_user,

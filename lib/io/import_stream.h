@@ -14,7 +14,7 @@
 #include "core/memory.h"
 #include "svocl/io.h"
 
-#define STREAM_GREETING       "svoimp6\n" /* changes with the frames: parent and child may be different builds */
+#define STREAM_GREETING       "svoimp7\n" /* changes with the frames: parent and child may be different builds */
 #define STREAM_GREETING_BYTES 8
 #define STREAM_PAYLOAD_ALIGN  8
 #define STREAM_BYTES_A_SECOND 1000000 /* of files, that a reader reads at least */
@@ -26,6 +26,7 @@ typedef enum stream_kind {
     STREAM_TEXTURE, /* stream_texture, then its texels; the order of these frames is their index */
     STREAM_MATERIALS, /* svo_material each */
     STREAM_FINISHES, /* svo_finish per material; absent: all zero */
+    STREAM_NORMAL_MAPS, /* svo_normal_map per material; absent: none */
     STREAM_POSITIONS, /* 3 floats per vertex */
     STREAM_NORMALS, /* 3 floats per vertex */
     STREAM_COLORS, /* 4 bytes per vertex */

@@ -60,6 +60,7 @@ typedef struct svo_i_light_before {
 /* What svo_light_set_mesh got: kernels/light/mesh.clh. */
 typedef struct svo_i_light_mesh {
     cl_mem triangles, materials, texels; /* owned; NULL: there is no mesh */
+    cl_mem bends; /* owned; NULL: there are no normal maps */
     uint32_t flags; /* SVO_MESH_* */
 } svo_i_light_mesh;
 

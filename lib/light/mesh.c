@@ -2,7 +2,8 @@
 /*
  * The mesh of a light on its device: what triangles look like, as hits name them, materials, and textures with levels
  * of half the size each, rounded up, down to a single texel. A texel of a level is the mean over its area, weighed by
- * alpha like the colors of a tree. All of it is computed on the host, so that each device has the same.
+ * alpha like the colors of a tree; of normal maps all weigh the same. Meshes with normal maps have the frames of these,
+ * too, which follow from texture coordinates. All of it is computed on the host, so that each device has the same.
  */
 #include "light/mesh.h"
 
@@ -20,11 +21,14 @@ static const char set_mesh[] = "svo_light_set_mesh";
 typedef struct mesh_job {
     svo_light *light;
     const svo_mesh *mesh;
-    svo_material_record *materials;
+    size_t material_count; /* 1 for a mesh without materials */
+    bool has_maps; /* normal maps */
+    svo_material_record *materials; /* behind them, of each the normal map, if the mesh has such */
     uint8_t *clear; /* of each material: whether it may show in part */
     uint32_t *texels;
     uint64_t texel_count;
     svo_mesh_triangle *triangles;
+    svo_mesh_bend *bends; /* of them; NULL without normal maps */
     uint32_t flags; /* SVO_MESH_* */
 } mesh_job;
 
@@ -128,22 +132,51 @@ static bool texture_is_clear(const svo_texture *texture)
     return least < 255;
 }
 
-/* The texture of a material; NULL: none. */
-static const svo_texture *texture_of(const svo_mesh *mesh, size_t material)
-{
-    const uint32_t index = mesh->materials[material].texture_index;
-    return mesh->uvs != NULL && index < mesh->texture_count ? &mesh->textures[index] : NULL;
-}
+/* Where texels begin of each texture, first as a color, then as a normal map; UINT32_MAX: it is none. */
+typedef struct texel_places {
+    uint32_t *offsets; /* 2 * texture_count */
+    uint8_t *clear; /* texture_count: whether it lets light through */
+} texel_places;
 
-/* Places the textures of materials, each once. offsets: of each texture, UINT32_MAX where it has no place yet. */
-static svo_status place_textures(mesh_job *job, uint32_t *offsets)
+#define NO_PLACE SIZE_MAX
+
+/* Which of the places a record of a material or a normal map has; NO_PLACE: it has no texture. */
+static size_t place_of(const mesh_job *job, size_t record)
 {
     const svo_mesh *mesh = job->mesh;
-    for (size_t i = 0; i < mesh->material_count; ++i) {
-        const svo_texture *texture = texture_of(mesh, i);
-        const uint32_t index = mesh->materials[i].texture_index;
-        if (texture != NULL && offsets[index] == UINT32_MAX) {
-            offsets[index] = (uint32_t)job->texel_count;
+    const bool is_map = record >= job->material_count;
+    const size_t material = is_map ? record - job->material_count : record;
+    if (material >= mesh->material_count || mesh->uvs == NULL) {
+        return NO_PLACE;
+    }
+    const uint32_t index = is_map ? mesh->normal_maps[material].texture_index : mesh->materials[material].texture_index;
+    return index >= mesh->texture_count ? NO_PLACE : index + (is_map ? mesh->texture_count : 0);
+}
+
+static size_t record_count(const mesh_job *job)
+{
+    return job->has_maps ? 2 * job->material_count : job->material_count;
+}
+
+static bool has_normal_maps(const mesh_job *job)
+{
+    for (size_t i = 0; job->mesh->normal_maps != NULL && i < job->material_count; ++i) {
+        if (place_of(job, job->material_count + i) != NO_PLACE) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Places the textures of records, each once. */
+static svo_status place_textures(mesh_job *job, texel_places *places)
+{
+    const svo_mesh *mesh = job->mesh;
+    for (size_t i = 0; i < record_count(job); ++i) {
+        const size_t place = place_of(job, i);
+        if (place != NO_PLACE && places->offsets[place] == UINT32_MAX) {
+            const svo_texture *texture = &mesh->textures[place % mesh->texture_count];
+            places->offsets[place] = (uint32_t)job->texel_count;
             job->texel_count += count_texels(texture->width, texture->height);
             if (job->texel_count >= UINT32_MAX) {
                 return svo_i_device_fail(job->light->device, SVO_OUT_OF_DEVICE_MEMORY,
@@ -156,65 +189,75 @@ static svo_status place_textures(mesh_job *job, uint32_t *offsets)
     return job->texels != NULL ? SVO_OK : no_memory(job, "texels", job->texel_count);
 }
 
+/* Copies the textures that have a place, and makes their levels. */
+static void fill_texels(const mesh_job *job, texel_places *places)
+{
+    const size_t textures = job->mesh->texture_count;
+    for (size_t place = 0; place < 2 * textures; ++place) {
+        const svo_texture *texture = &job->mesh->textures[place % textures];
+        if (places->offsets[place] == UINT32_MAX) {
+            continue;
+        }
+        const svo_material_record first = {.width = texture->width, .height = texture->height};
+        uint32_t *texels = job->texels + places->offsets[place];
+        const size_t count = (size_t)texture->width * texture->height;
+        memcpy(texels, texture->rgba, 4 * count);
+        if (place < textures) {
+            places->clear[place] = texture_is_clear(texture);
+        } else {
+            for (size_t i = 0; i < count; ++i) {
+                texels[i] |= 0xff000000u; /* a map's alpha weighs nothing */
+            }
+        }
+        make_levels(texels, first);
+    }
+}
+
 /* ---- materials ---- */
 
-static void fill_material(mesh_job *job, size_t index, const uint32_t *offsets, const uint8_t *texture_clear)
+static void fill_record(mesh_job *job, size_t index, const texel_places *places)
 {
-    const svo_material *from = &job->mesh->materials[index];
-    const svo_texture *texture = texture_of(job->mesh, index);
+    const size_t place = place_of(job, index);
     svo_material_record *to = &job->materials[index];
-    memcpy(&to->rgba, from->rgba, sizeof to->rgba);
-    job->clear[index] = from->rgba[3] < 255;
-    if (texture != NULL) {
-        to->texel_offset = offsets[from->texture_index];
+    if (index < job->mesh->material_count) {
+        const svo_material *from = &job->mesh->materials[index];
+        memcpy(&to->rgba, from->rgba, sizeof to->rgba);
+        job->clear[index] = from->rgba[3] < 255 || (place != NO_PLACE && places->clear[place] != 0);
+    }
+    if (place != NO_PLACE) {
+        const svo_texture *texture = &job->mesh->textures[place % job->mesh->texture_count];
+        to->texel_offset = places->offsets[place];
         to->width = texture->width;
         to->height = texture->height;
         to->wrap_u = texture->wrap_u;
         to->wrap_v = texture->wrap_v;
-        job->clear[index] |= texture_clear[from->texture_index];
-    }
-}
-
-/* Copies the textures that have a place, and makes their levels. */
-static void fill_texels(const mesh_job *job, const uint32_t *offsets, uint8_t *texture_clear)
-{
-    for (size_t i = 0; i < job->mesh->texture_count; ++i) {
-        const svo_texture *texture = &job->mesh->textures[i];
-        if (offsets[i] != UINT32_MAX) {
-            const svo_material_record first = {.width = texture->width, .height = texture->height};
-            uint32_t *texels = job->texels + offsets[i];
-            memcpy(texels, texture->rgba, (size_t)4 * texture->width * texture->height);
-            make_levels(texels, first);
-            texture_clear[i] = texture_is_clear(texture);
-        }
     }
 }
 
 static svo_status make_materials(mesh_job *job)
 {
-    const svo_mesh *mesh = job->mesh;
+    const size_t textures = job->mesh->texture_count;
     const svo_i_memory *memory = &job->light->device->memory;
-    const size_t count = mesh->material_count > 0 ? mesh->material_count : 1;
-    uint32_t *offsets = svo_i_alloc(memory, (mesh->texture_count + 1) * sizeof *offsets);
-    uint8_t *texture_clear = svo_i_alloc_zeroed(memory, mesh->texture_count + 1, 1);
+    texel_places places = {.offsets = svo_i_alloc(memory, (2 * textures + 1) * sizeof *places.offsets),
+                           .clear = svo_i_alloc_zeroed(memory, textures + 1, 1)};
     svo_status status = SVO_OK;
-    job->materials = svo_i_alloc_zeroed(memory, count, sizeof *job->materials);
-    job->clear = svo_i_alloc_zeroed(memory, count, 1);
-    if (offsets == NULL || texture_clear == NULL || job->materials == NULL || job->clear == NULL) {
-        status = no_memory(job, "materials", count);
+    job->materials = svo_i_alloc_zeroed(memory, record_count(job), sizeof *job->materials);
+    job->clear = svo_i_alloc_zeroed(memory, job->material_count, 1);
+    if (places.offsets == NULL || places.clear == NULL || job->materials == NULL || job->clear == NULL) {
+        status = no_memory(job, "materials", record_count(job));
         goto cleanup;
     }
     job->materials[0].rgba = UINT32_MAX; /* white, for a mesh without materials */
-    memset(offsets, 0xff, (mesh->texture_count + 1) * sizeof *offsets);
-    SVO_I_TRY_CLEANUP(place_textures(job, offsets));
-    fill_texels(job, offsets, texture_clear);
-    for (size_t i = 0; i < mesh->material_count; ++i) {
-        fill_material(job, i, offsets, texture_clear);
+    memset(places.offsets, 0xff, 2 * textures * sizeof *places.offsets);
+    SVO_I_TRY_CLEANUP(place_textures(job, &places));
+    fill_texels(job, &places);
+    for (size_t i = 0; i < record_count(job); ++i) {
+        fill_record(job, i, &places);
     }
 
 cleanup:
-    svo_i_free(offsets);
-    svo_i_free(texture_clear);
+    svo_i_free(places.offsets);
+    svo_i_free(places.clear);
     return status;
 }
 
@@ -294,7 +337,8 @@ static uint32_t pack_normal(const double normal[3])
 /* A vertex's normal; the triangle's own where it has none. */
 static uint32_t normal_of(const svo_mesh *mesh, size_t vertex, const double own[3])
 {
-    const float *given = mesh->normals + 3 * vertex;
+    static const float none[3] = {0, 0, 0};
+    const float *given = mesh->normals != NULL ? mesh->normals + 3 * vertex : none;
     const double normal[3] = {(double)given[0], (double)given[1], (double)given[2]};
     const double length = length_of(normal);
     const double own_length = length_of(own);
@@ -302,11 +346,52 @@ static uint32_t normal_of(const svo_mesh *mesh, size_t vertex, const double own[
     return pack_normal(length > 0 && isfinite(length) ? normal : own_length > 0 && isfinite(own_length) ? own : any);
 }
 
+/* Which side of a triangle its vertex normals call the front: 1, that of own, or -1. */
+static double front_of(const svo_mesh *mesh, const size_t vertices[3], const double own[3])
+{
+    double facing = 0;
+    for (size_t i = 0; i < 3 && mesh->normals != NULL; ++i) {
+        const float *normal = mesh->normals + 3 * vertices[i];
+        const double cosine = (double)normal[0] * own[0] + (double)normal[1] * own[1] + (double)normal[2] * own[2];
+        facing += isfinite(cosine) ? cosine : 0;
+    }
+    return facing < 0 ? -1 : 1;
+}
+
+/* The frame of a triangle's normal map: x along the derivative of the position by u; y against that by v, which seen
+   from the front is to its left or to its right. Without such derivatives there is none. */
+static void fill_bend(const mesh_job *job, uint32_t map, const corner corners[3], double front, svo_mesh_bend *out)
+{
+    const size_t material = map - job->material_count;
+    double uvs[2][2];
+    double along[3];
+    for (int i = 0; i < 2; ++i) {
+        uvs[0][i] = corners[1].uv[i] - corners[0].uv[i];
+        uvs[1][i] = corners[2].uv[i] - corners[0].uv[i];
+    }
+    const double turn = uvs[0][0] * uvs[1][1] - uvs[0][1] * uvs[1][0];
+    const double scale = (double)job->mesh->normal_maps[material].scale;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double first = corners[1].position[axis] - corners[0].position[axis];
+        const double second = corners[2].position[axis] - corners[0].position[axis];
+        along[axis] = copysign(1, turn) * copysign(1, scale) * (first * uvs[1][1] - second * uvs[0][1]);
+    }
+    const double length = length_of(along);
+    if (turn != 0 && length > 0 && isfinite(length)) {
+        out->scale = (float)(turn * front < 0 ? fabs(scale) : -fabs(scale));
+        out->direction = pack_normal(along);
+        out->material = map;
+        out->level = level_of(corners, &job->materials[map]);
+    }
+}
+
 static void fill_triangle(mesh_job *job, size_t triangle, const size_t vertices[3])
 {
     const svo_mesh *mesh = job->mesh;
     const uint32_t named = mesh->triangle_materials != NULL ? mesh->triangle_materials[triangle] : 0;
     const uint32_t material = named < mesh->material_count ? named : 0;
+    const uint32_t map = (uint32_t)job->material_count + material;
+    const bool has_map = job->has_maps && job->materials[map].width != 0;
     svo_mesh_triangle *out = &job->triangles[triangle];
     bool is_clear = job->clear[material] != 0;
     corner corners[3];
@@ -322,8 +407,11 @@ static void fill_triangle(mesh_job *job, size_t triangle, const size_t vertices[
         }
     }
     cross_of(corners, own);
-    for (int i = 0; i < 3 && mesh->normals != NULL; ++i) {
+    for (int i = 0; i < 3 && (mesh->normals != NULL || has_map); ++i) {
         out->normals[i] = normal_of(mesh, vertices[i], own);
+    }
+    if (has_map) {
+        fill_bend(job, map, corners, front_of(mesh, vertices, own), &job->bends[triangle]);
     }
     out->material = material | (is_clear ? SVO_MESH_TRIANGLE_CLEAR : 0);
     out->level = level_of(corners, &job->materials[material]);
@@ -335,7 +423,10 @@ static svo_status make_triangles(mesh_job *job)
 {
     const svo_mesh *mesh = job->mesh;
     job->triangles = svo_i_alloc_zeroed(&job->light->device->memory, mesh->triangle_count, sizeof *job->triangles);
-    if (job->triangles == NULL) {
+    if (job->has_maps) {
+        job->bends = svo_i_alloc_zeroed(&job->light->device->memory, mesh->triangle_count, sizeof *job->bends);
+    }
+    if (job->triangles == NULL || (job->has_maps && job->bends == NULL)) {
         return no_memory(job, "triangles", mesh->triangle_count);
     }
     for (size_t i = 0; i < mesh->triangle_count; ++i) {
@@ -357,27 +448,33 @@ static svo_status make_triangles(mesh_job *job)
 static svo_status upload(svo_i_device_work *work, const mesh_job *job)
 {
     svo_light *light = job->light;
-    const size_t materials = job->mesh->material_count > 0 ? job->mesh->material_count : 1;
-    const uint64_t bytes[] = {job->mesh->triangle_count * sizeof *job->triangles, materials * sizeof *job->materials,
-                              (job->texel_count + 1) * sizeof *job->texels};
+    const uint64_t bytes[] = {job->mesh->triangle_count * sizeof *job->triangles,
+                              record_count(job) * sizeof *job->materials, (job->texel_count + 1) * sizeof *job->texels,
+                              job->has_maps ? job->mesh->triangle_count * sizeof *job->bends : 0};
     SVO_I_TRY(svo_i_work_result(work, "mesh_triangles", bytes[0], &light->mesh.triangles));
     SVO_I_TRY(svo_i_work_result(work, "mesh_materials", bytes[1], &light->mesh.materials));
     SVO_I_TRY(svo_i_work_result(work, "mesh_texels", bytes[2], &light->mesh.texels));
     SVO_I_TRY(svo_i_work_write(work, light->mesh.triangles, job->triangles, bytes[0]));
     SVO_I_TRY(svo_i_work_write(work, light->mesh.materials, job->materials, bytes[1]));
     SVO_I_TRY(svo_i_work_write(work, light->mesh.texels, job->texels, bytes[2]));
+    if (job->has_maps) {
+        SVO_I_TRY(svo_i_work_result(work, "mesh_bends", bytes[3], &light->mesh.bends));
+        SVO_I_TRY(svo_i_work_write(work, light->mesh.bends, job->bends, bytes[3]));
+    }
     light->mesh.flags = job->flags;
-    light->info.mesh_bytes = bytes[0] + bytes[1] + bytes[2];
+    light->info.mesh_bytes = bytes[0] + bytes[1] + bytes[2] + bytes[3];
     return SVO_OK;
 }
 
 static svo_status give(svo_light *light, const svo_mesh *mesh, cl_command_queue queue)
 {
-    mesh_job job = {.light = light, .mesh = mesh};
+    mesh_job job = {
+        .light = light, .mesh = mesh, .material_count = mesh->material_count > 0 ? mesh->material_count : 1};
     svo_i_device_work work;
     svo_status status = SVO_OK;
     job.flags = (mesh->material_count > 0 || mesh->colors != NULL ? SVO_MESH_COLORS : 0) |
                 (mesh->normals != NULL ? SVO_MESH_NORMALS : 0);
+    job.has_maps = has_normal_maps(&job);
     SVO_I_TRY(svo_i_work_begin(light->device, set_mesh, queue, &work));
     SVO_I_TRY_CLEANUP(make_materials(&job));
     SVO_I_TRY_CLEANUP(make_triangles(&job));
@@ -389,6 +486,7 @@ cleanup:
     svo_i_free(job.clear);
     svo_i_free(job.texels);
     svo_i_free(job.triangles);
+    svo_i_free(job.bends);
     if (status != SVO_OK) {
         svo_i_light_drop_mesh(light);
     }
@@ -433,6 +531,7 @@ void svo_i_light_drop_mesh(svo_light *light)
     svo_i_buffer_release(&light->mesh.triangles);
     svo_i_buffer_release(&light->mesh.materials);
     svo_i_buffer_release(&light->mesh.texels);
+    svo_i_buffer_release(&light->mesh.bends);
     light->mesh.flags = 0;
     light->info.mesh_bytes = 0;
 }

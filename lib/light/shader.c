@@ -168,9 +168,10 @@ static svo_status make_kernel(svo_i_light_shader *shader, const svo_i_program *p
     const svo_light *light = shader->light;
     const svo_tree *tree = light->tree;
     char defines[SVO_I_PROGRAM_DEFINES_BYTES];
-    (void)snprintf(defines, sizeof defines, "%s%s%s%s", svo_i_light_form_defines(light), own_defines,
+    (void)snprintf(defines, sizeof defines, "%s%s%s%s%s", svo_i_light_form_defines(light), own_defines,
                    svo_i_rays_of_triangles(&tree->info) ? " -DSVO_PICTURE_TRIANGLES" : "",
-                   light->mesh.triangles != NULL ? " -DSVO_LIT_MESH" : "");
+                   light->mesh.triangles != NULL ? " -DSVO_LIT_MESH" : "",
+                   light->mesh.bends != NULL ? " -DSVO_NORMAL_MAPS" : "");
     add_define(tree, SVO_TREE_COLORS, " -DSVO_COLOR", " -DSVO_ONE_COLOR", defines, sizeof defines);
     add_define(tree, SVO_TREE_NORMALS, " -DSVO_NORMAL", " -DSVO_ONE_NORMAL", defines, sizeof defines);
     if (light->setup.finish_count > 0) {
@@ -229,6 +230,7 @@ svo_status svo_i_light_shader_set(const svo_i_light_shader *shader, const svo_ga
                                      SVO_I_ARGUMENT(light->mesh.triangles),
                                      SVO_I_ARGUMENT(light->mesh.materials),
                                      SVO_I_ARGUMENT(light->mesh.texels),
+                                     SVO_I_ARGUMENT(light->mesh.bends),
                                      {sizeof *gather, gather, false},
                                      {sizeof *params, params, false}};
     const cl_uint shared_count = sizeof shared / sizeof shared[0];

@@ -108,6 +108,30 @@ def test_pictures_show_the_mesh(device):
             light.set_mesh(None)
 
 
+def test_normal_maps_bend_normals(device):
+    """A floor whose map leans it towards u: a sun from that side lights it by the cosine of both."""
+    floor = np.array([[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 0, 0], [4, 4, 0], [0, 4, 0]], np.float32)
+    texel = svocl.Texture(np.array([[[229, 128, 204, 255]]], np.uint8))
+    bent = svocl.Mesh(
+        floor,
+        uvs=floor[:, :2] / 4,
+        materials=[svocl.Material()],
+        textures=[texel],
+        normal_maps=[svocl.NormalMap(0)],
+    )
+    with device.build(bent, 3, need=svocl.Need.COLOR | svocl.Need.RAYS) as tree:
+        with svocl.Light(tree) as light:
+            sun = svocl.LightSource(svocl.SourceKind.DIRECTIONAL, (1, 1, 1), direction=(-0.6, 0, -0.8))
+            light.set_sources([sun])
+            light.set_mesh(bent)
+            camera = svocl.Camera(eye=(2, 2, 9), target=(2, 2, 0), up=(0, 1, 0), vertical_fov=1e-3)
+            shown = light.render(2, 2, camera=camera, view=svocl.View.DIRECT)
+    normal = 2 * np.array([229, 128, 204]) / 255 - 1
+    radiance = normal @ (0.6, 0, 0.8) / np.linalg.norm(normal) / np.pi
+    coded = 255 * (1.055 * radiance ** (1 / 2.4) - 0.055)
+    np.testing.assert_allclose(shown[..., 0], coded, atol=1)
+
+
 def test_a_ceiling_reflects_the_floor(device, random):
     """Between two large sheets a ceiling gets what the floor reflects: albedo times the sun's irradiance."""
     low, high = FLOOR.copy(), FLOOR.copy()

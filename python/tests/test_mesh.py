@@ -101,6 +101,14 @@ def test_finishes_are_one_for_each_material():
     assert "finishes: 1, expected 0, one for each material" in str(caught.value)
 
 
+def test_normal_maps_are_one_for_each_material():
+    map = svocl.NormalMap(0, 0.5)
+    mesh = svocl.Mesh(TRIANGLE, materials=[svocl.Material()], normal_maps=[map])
+    assert mesh.normal_maps == (map,)
+    with pytest.raises(ValueError, match="normal_maps: 1, expected 0, one for each material"):
+        svocl.Mesh(TRIANGLE, normal_maps=[map])
+
+
 def test_every_array_reaches_the_tree(device):
     """Two triangles side by side: one red by its vertices, one half as bright by its material and green texture."""
     positions = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [4, 0, 0], [5, 0, 0], [4, 1, 0]], np.float32)

@@ -5,6 +5,7 @@
  * material.
  */
 #include <fcntl.h>
+#include <math.h>
 #include <string.h>
 
 #include "core/message.h"
@@ -20,6 +21,9 @@ static void check_mesh(const gather *mesh)
     }
     for (size_t i = 0; i < mesh->triangle_count && mesh->material_count > 0; ++i) {
         REQUIRE(mesh->triangle_materials[i] < mesh->material_count);
+    }
+    for (size_t i = 0; i < mesh->material_count; ++i) {
+        REQUIRE(isfinite(mesh->materials[i].normal_map.scale));
     }
 }
 
@@ -40,6 +44,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t byte_count)
                           .byte_count = byte_count - 1,
                           .stream = nowhere,
                           .mesh = &mesh,
+                          .normal_maps = true,
                           .counts = &counts,
                           .message = &message};
     svo_status status = SVO_OK;

@@ -127,8 +127,8 @@ static int triangles_equal(const gather *a, const gather *b, size_t t, uint64_t 
 static int materials_equal(const gather *a, const gather *b, size_t t)
 {
     static const svo_material white = {.rgba = {255, 255, 255, 255}, .texture_index = SVO_NO_TEXTURE};
-    const svo_material *m = a->material_count > 0 ? &a->materials[a->triangle_materials[t]] : &white;
-    const svo_material *n = b->material_count > 0 ? &b->materials[b->triangle_materials[t]] : &white;
+    const svo_material *m = a->material_count > 0 ? &a->materials[a->triangle_materials[t]].base : &white;
+    const svo_material *n = b->material_count > 0 ? &b->materials[b->triangle_materials[t]].base : &white;
     return memcmp(m->rgba, n->rgba, 4) == 0 && m->texture_index == n->texture_index;
 }
 

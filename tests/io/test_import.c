@@ -58,15 +58,20 @@ static void keep_warning(void *user, svo_log_level level, const char *text)
     (void)snprintf(last_warning, sizeof last_warning, "%s", text);
 }
 
-static svo_import *import_file(const char *name)
+static svo_import *import_as(const char *name, const svo_import_options *options)
 {
     svo_import *import = NULL;
     svo_message message = {""};
     last_warning[0] = '\0';
-    if (svo_import_file(path_of(name), NULL, keep_warning, NULL, &import, &message) != SVO_OK) {
+    if (svo_import_file(path_of(name), options, keep_warning, NULL, &import, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
     return import;
+}
+
+static svo_import *import_file(const char *name)
+{
+    return import_as(name, NULL);
 }
 
 static void expect_failure(const char *path, const svo_import_options *options, svo_status expected, const char *text)
@@ -165,6 +170,59 @@ static void test_obj_with_material_and_texture(void **unused)
     assert_null(svo_import_file_path(import, 2));
     svo_import_destroy(&import);
     assert_null(import);
+}
+
+/* Heights of MTL become normals, normal maps stay, and "norm" goes first. A ramp along x rises by its steps, at its end
+   by the fall to its begin; up in the image is up in the map. */
+static void test_normal_maps_of_obj(void **unused)
+{
+    (void)unused;
+    static const svo_import_options with_maps = {.struct_size = sizeof with_maps, .normal_maps = 1};
+    static const uint8_t steps[4] = {0, 51, 102, 153};
+    uint8_t heights[64];
+    uint8_t normals[16];
+    for (size_t i = 0; i < 16; ++i) {
+        memset(heights + 4 * i, steps[i % 4], 3);
+        heights[4 * i + 3] = 255;
+    }
+    for (size_t i = 0; i < 4; ++i) {
+        memcpy(normals + 4 * i, ((const uint8_t[]){204, 128, 230, 255}), 4);
+    }
+    assert_int_not_equal(stbi_write_png(path_of("heights.png"), 4, 4, 4, heights, 16), 0);
+    assert_int_not_equal(stbi_write_png(path_of("normals.png"), 2, 2, 4, normals, 8), 0);
+    work_folder_remember("heights.png");
+    work_folder_remember("normals.png");
+    write_text("maps.mtl", "newmtl high\nbump -bm 2.5 heights.png\nnewmtl bent\nmap_Bump normals.png\n"
+                           "newmtl both\nnorm heights.png\nbump normals.png\n"
+                           "newmtl apart\nmap_Kd normals.png\nmap_Bump -s 2 2 normals.png\n");
+    write_text("maps.obj", "mtllib maps.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+                           "usemtl high\nf 1/1 2/2 3/3\nusemtl bent\nf 1/1 2/2 3/3\n"
+                           "usemtl both\nf 1/1 2/2 3/3\nusemtl apart\nf 1/1 2/2 3/3\n");
+    svo_import *import = import_as("maps.obj", &with_maps);
+    const svo_mesh *mesh = svo_import_mesh(import);
+    assert_non_null(mesh->normal_maps);
+    const svo_normal_map *maps = mesh->normal_maps;
+    assert_true(maps[0].scale == 2.5F);
+    const svo_texture *made = &mesh->textures[maps[0].texture_index];
+    for (size_t i = 0; i < 16; ++i) {
+        const double rise = 2 * (steps[(i + 1) % 4] - steps[(i + 3) % 4]) / (2 * 255.0);
+        const double length = sqrt(rise * rise + 1);
+        assert_int_equal(made->rgba[4 * i], (int)(127.5 * -rise / length + 128));
+        assert_int_equal(made->rgba[4 * i + 1], 128);
+        assert_int_equal(made->rgba[4 * i + 2], (int)(127.5 / length + 128));
+    }
+    assert_memory_equal(mesh->textures[maps[1].texture_index].rgba, normals, sizeof normals);
+    assert_memory_equal(mesh->textures[maps[2].texture_index].rgba, heights, sizeof heights);
+    assert_int_equal(maps[3].texture_index, SVO_NO_TEXTURE);
+    assert_non_null(strstr(last_warning, "material apart: the normal map normals.png lies otherwise"));
+    assert_int_equal(material_of(mesh, 0)->texture_index, SVO_NO_TEXTURE);
+    expect_uv(mesh, 0, 1, 1, 1);
+    svo_import_destroy(&import);
+    import = import_file("maps.obj");
+    assert_null(svo_import_mesh(import)->normal_maps);
+    assert_int_equal(svo_import_mesh(import)->texture_count, 1);
+    assert_string_equal(last_warning, "");
+    svo_import_destroy(&import);
 }
 
 static void test_a_missing_texture_is_a_warning(void **unused)
@@ -754,6 +812,7 @@ TEST_GROUP(import)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_obj_with_material_and_texture),
+        cmocka_unit_test(test_normal_maps_of_obj),
         cmocka_unit_test(test_a_missing_texture_is_a_warning),
         cmocka_unit_test(test_plain_obj_has_no_attributes),
         cmocka_unit_test(test_degenerate_triangles_are_kept),

@@ -626,6 +626,42 @@ static void test_emission_and_gloss(void **unused)
     svo_import_destroy(&import);
 }
 
+/* Normal textures with a scale; one whose coordinates are those of another set than the color's is left out. */
+static void test_normal_textures(void **unused)
+{
+    (void)unused;
+    static const svo_import_options with_maps = {.struct_size = sizeof with_maps, .normal_maps = 1};
+    static const float uvs[6] = {0, 0, 1, 0, 1, 1};
+    static const char materials[] = "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":["
+                                    "{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},\"material\":0},"
+                                    "{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},\"material\":1}]}],"
+                                    "\"materials\":[{\"normalTexture\":{\"index\":0,\"scale\":0.5}},"
+                                    "{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}},"
+                                    "\"normalTexture\":{\"index\":0,\"texCoord\":1}}],"
+                                    "\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"data:image/png;base64,";
+    char body[4096];
+    int image_bytes = 0;
+    unsigned char *image = stbi_write_png_to_mem(picture, 8, 2, 2, 4, &image_bytes);
+    assert_non_null(image);
+    begin();
+    add(triangle, sizeof triangle, FLOAT, "VEC3", 3, "");
+    add(uvs, sizeof uvs, FLOAT, "VEC2", 3, "");
+    (void)snprintf(body, sizeof body, "%s", materials);
+    append_base64(body, image, (size_t)image_bytes);
+    free(image);
+    append(body, sizeof body, "\"}]");
+    finish_with("maps", made.accessors, body);
+    svo_import *import = import_with("maps.gltf", &with_maps);
+    const svo_mesh *mesh = svo_import_mesh(import);
+    assert_non_null(mesh->normal_maps);
+    assert_true(mesh->normal_maps[0].scale == 0.5F);
+    assert_memory_equal(mesh->textures[mesh->normal_maps[0].texture_index].rgba, picture, sizeof picture);
+    assert_int_equal(mesh->normal_maps[1].texture_index, SVO_NO_TEXTURE);
+    expect_uv(mesh, 0, 2, 1, 1);
+    expect_warning("a normal map lies otherwise than the color and is left out");
+    svo_import_destroy(&import);
+}
+
 /* ---- files ---- */
 
 /* Binary glTF by its suffix, and by its first bytes where a name says nothing. */
@@ -785,6 +821,7 @@ TEST_GROUP(import_gltf)
         cmocka_unit_test(test_linear_colors_become_srgb),
         cmocka_unit_test(test_alpha),
         cmocka_unit_test(test_emission_and_gloss),
+        cmocka_unit_test(test_normal_textures),
         cmocka_unit_test(test_binary_files),
         cmocka_unit_test(test_older_files),
         cmocka_unit_test(test_other_files_are_announced),

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Lights that have the mesh of their tree: pictures beside the texels, normals and materials at their pixels, far away
- * beside the leaves; shadows and views through what the texture leaves out; light between surfaces; what is refused.
+ * beside the leaves; shadows and views through what the texture leaves out; light between surfaces; normal maps; what
+ * is refused.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -33,6 +34,7 @@ typedef struct cards {
     uint16_t materials[2 * CARDS];
     svo_material material[CARDS];
     svo_finish finishes[CARDS];
+    svo_normal_map maps[CARDS];
     svo_texture texture;
     uint8_t texels[4 * 64 * 64];
     fixture opened;
@@ -48,6 +50,7 @@ static cards *cards_new(void **state, uint32_t texels)
     made->texture = (svo_texture){.rgba = made->texels, .width = texels, .height = texels};
     for (size_t i = 0; i < CARDS; ++i) {
         made->material[i] = (svo_material){.rgba = {255, 255, 255, 255}, .texture_index = SVO_NO_TEXTURE};
+        made->maps[i] = (svo_normal_map){.texture_index = SVO_NO_TEXTURE, .scale = 1};
     }
     made->mesh = (svo_mesh){.struct_size = sizeof made->mesh,
                             .positions = made->positions,
@@ -325,6 +328,172 @@ static void normals_are_those_of_vertices(void **state)
     cards_free(on);
 }
 
+/* ---- normal maps ---- */
+
+/* A card whose texture is a normal map. Its red, green and blue are given; lit by a sun along a unit direction. */
+static cards *map_card(void **state, uint32_t texels, float repeats, const float sun[3])
+{
+    cards *on = cards_new(state, texels);
+    const svo_light_source source = {SVO_SOURCE_DIRECTIONAL, .direction = {sun[0], sun[1], sun[2]},
+                                     .value = {PI, PI, PI}};
+    const svo_light_setup setup = {.struct_size = sizeof setup, .sources = &source, .source_count = 1};
+    on->maps[0].texture_index = 0;
+    on->mesh.normal_maps = on->maps;
+    add_card(on, 0, repeats);
+    light_cards(on);
+    light_succeed(&on->opened, svo_light_set_sources(on->light, &setup, on->opened.queue));
+    return on;
+}
+
+static void put_texel(cards *on, size_t index, uint8_t red, uint8_t green, uint8_t blue)
+{
+    const uint8_t texel[4] = {red, green, blue, 0}; /* alpha is not read */
+    memcpy(on->texels + 4 * index, texel, 4);
+}
+
+/* Of a bent normal, the cosine to a sun that shines along -to. flips: of x and y. */
+static float bent_cosine(const uint8_t *texel, float scale, const float flips[2], const float to[3])
+{
+    const float x = flips[0] * scale * (2 * texel[0] / 255.0F - 1);
+    const float y = flips[1] * scale * (2 * texel[1] / 255.0F - 1);
+    const float z = 2 * texel[2] / 255.0F - 1;
+    return (x * to[0] + y * to[1] + z * to[2]) / sqrtf(x * x + y * y + z * z);
+}
+
+/* A card has one bent normal everywhere: it sends its albedo times the cosine. v runs up the card here and down an
+   image, so that y of the map points down the card. Turned and mirrored coordinates turn and mirror the map. */
+static void tilted_maps_tilt(void **state)
+{
+    static const float sun[3] = {-0.6F, 0, -0.8F};
+    static const float steep[3] = {0, -0.6F, -0.8F};
+    static const struct {
+        float u_scale, v_scale, map_scale;
+        const float *sun;
+    } cases[] = {{1, 1, 1, sun},     {-1, 1, 1, sun},  {1, -1, 1, sun},   {-1, -1, 1, sun},
+                 {1, 1, 0.5F, sun},  {1, 1, 1, steep}, {1, -1, 1, steep}, {1, 1, 2, steep},
+                 {-1, 1, -1, steep}, {1, 1, -1, sun},  {1, 1, 0, steep}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const float to[3] = {-cases[i].sun[0], -cases[i].sun[1], -cases[i].sun[2]};
+        const float flips[2] = {cases[i].u_scale, -cases[i].v_scale};
+        float pixel[4];
+        cards *on = map_card(state, 1, 1, cases[i].sun);
+        put_texel(on, 0, 178, 204, 210);
+        on->maps[0].scale = cases[i].map_scale;
+        on->material[0].rgba[1] = 100;
+        for (size_t k = 0; k < 6; ++k) {
+            on->uvs[2 * k] *= cases[i].u_scale;
+            on->uvs[2 * k + 1] *= cases[i].v_scale;
+        }
+        give_mesh(on);
+        look(on, SVO_VIEW_DIRECT, 3.1F, 2.6F, 1e-4F, pixel);
+        const float wanted = fmaxf(bent_cosine(on->texels, cases[i].map_scale, flips, to), 0);
+        check_near("red", pixel[0], wanted, 1e-3F);
+        check_near("green", pixel[1], wanted * linear_of(100), 1e-3F);
+        cards_free(on);
+    }
+}
+
+/* Two texels, the left one bent to the left and the right one to the right; between their middles the mean. */
+static void each_texel_bends(void **state)
+{
+    static const float sun[3] = {-0.6F, 0, -0.8F};
+    static const float to[3] = {0.6F, 0, 0.8F};
+    static const float flips[2] = {1, -1};
+    cards *on = map_card(state, 2, 1, sun);
+    float pixel[4];
+    put_texel(on, 0, 51, 128, 230);
+    put_texel(on, 1, 204, 128, 230);
+    on->texture.height = 1;
+    on->texture.wrap_u = SVO_WRAP_CLAMP;
+    give_mesh(on);
+    look(on, SVO_VIEW_DIRECT, 1, 4, 1e-4F, pixel);
+    check_near("left", pixel[0], bent_cosine(on->texels, 1, flips, to), 1e-3F);
+    look(on, SVO_VIEW_DIRECT, 7, 4, 1e-4F, pixel);
+    check_near("right", pixel[0], bent_cosine(on->texels + 4, 1, flips, to), 1e-3F);
+    look(on, SVO_VIEW_DIRECT, 4, 4, 1e-4F, pixel);
+    check_near("between", pixel[0], bent_cosine((const uint8_t[]){128, 128, 230}, 1, flips, to), 1e-3F);
+    cards_free(on);
+}
+
+/* Light of the sky is gathered along the bent normal too: of a sky of 1, (1 + cosine of the tilt) / 2 of its irradiance
+   arrives; the rest is the card itself, which is black. */
+static void skies_light_bent_normals(void **state)
+{
+    static const float sun[3] = {0, 0, -1};
+    static const svo_light_setup setup = {.struct_size = sizeof setup, .sky = {1, 1, 1}};
+    static const svo_gather_options gather = {.struct_size = sizeof gather, .paths = 1024, .bounces = 1};
+    svo_render_options options = {.struct_size = sizeof options, .width = 4, .height = 4, .view = SVO_VIEW_INDIRECT};
+    cards *on = map_card(state, 1, 1, sun);
+    float pixels[4 * 16];
+    put_texel(on, 0, 229, 128, 204);
+    light_succeed(&on->opened, svo_light_set_sources(on->light, &setup, on->opened.queue));
+    give_mesh(on);
+    options.output.format = SVO_PIXELS_LINEAR;
+    options.gather = &gather;
+    options.camera = (svo_camera){.eye = {4, 4, 64}, .target = {4, 4, 0}, .up = {0, 1, 0}, .vertical_fov = 0.01F};
+    light_succeed(&on->opened, svo_render(svo_light_target(on->light), &options, svo_in_host(pixels),
+                                          &(svo_submit){.queue = on->opened.queue}));
+    const float tilt = bent_cosine(on->texels, 1, (const float[2]){1, -1}, (const float[3]){0, 0, 1});
+    for (size_t i = 0; i < 16; ++i) {
+        check_near("the sky's light", pixels[4 * i], (1 + tilt) / 2, 4e-3F);
+    }
+    cards_free(on);
+}
+
+/* From behind all of the normal is mirrored; vertex normals say which side is the front. */
+static void backs_are_mirrored(void **state)
+{
+    static const float sun[3] = {-0.6F, 0, 0.8F};
+    static const float toward_front[3] = {0.6F, 0, -0.8F};
+    static const float flips[2] = {1, -1};
+    cards *on = map_card(state, 1, 1, sun);
+    svo_render_options options = {.struct_size = sizeof options, .width = 1, .height = 1, .view = SVO_VIEW_DIRECT};
+    float pixel[4];
+    put_texel(on, 0, 178, 128, 230);
+    options.output.format = SVO_PIXELS_LINEAR;
+    options.output.samples = 1;
+    options.camera = (svo_camera){.eye = {3, 3, -64}, .target = {3, 3, 0}, .up = {0, 1, 0}, .vertical_fov = 1e-5F};
+    for (int side = 0; side < 2; ++side) {
+        if (side == 1) {
+            for (size_t i = 0; i < 6; ++i) {
+                on->normals[3 * i + 2] = -1;
+            }
+            on->mesh.normals = on->normals;
+        }
+        give_mesh(on);
+        light_succeed(&on->opened, svo_render(svo_light_target(on->light), &options, svo_in_host(pixel),
+                                              &(svo_submit){.queue = on->opened.queue}));
+        /* The back sees the negative of the front's normal; with normals that say so it is the front, bent along u. */
+        const float behind = -bent_cosine(on->texels, 1, flips, toward_front);
+        const float front = bent_cosine(on->texels, 1, flips, (const float[3]){0.6F, 0, 0.8F});
+        check_near(side == 0 ? "the back" : "the front", pixel[0], side == 0 ? behind : front, 2e-3F);
+    }
+    cards_free(on);
+}
+
+/* Without an area of coordinates, or coordinates at all, there is no map; nor where no material has one. */
+static void maps_need_coordinates(void **state)
+{
+    static const float sun[3] = {-0.6F, 0, -0.8F};
+    cards *on = map_card(state, 1, 0, sun);
+    float pixel[4];
+    put_texel(on, 0, 178, 204, 210);
+    give_mesh(on);
+    const uint64_t with_maps = light_info_of(on->light).mesh_bytes;
+    look(on, SVO_VIEW_DIRECT, 3, 3, 1e-4F, pixel);
+    check_near("without an area", pixel[0], 0.8F, 1e-4F);
+    on->mesh.uvs = NULL;
+    give_mesh(on);
+    look(on, SVO_VIEW_DIRECT, 3, 3, 1e-4F, pixel);
+    check_near("without coordinates", pixel[0], 0.8F, 1e-4F);
+    on->mesh.uvs = on->uvs;
+    on->maps[0].texture_index = 1;
+    give_mesh(on);
+    /* Two triangles of 16 bytes, records of 32 for three materials, and a texel are left out. */
+    assert_int_equal(with_maps - light_info_of(on->light).mesh_bytes, 2 * 16 + 3 * 32 + 4);
+    cards_free(on);
+}
+
 /* The two triangles of a card, of which one emits: on either side of their edge, in the same leaf. */
 static void materials_are_those_of_triangles(void **state)
 {
@@ -435,6 +604,10 @@ static void other_meshes_are_refused(void **state)
     on->texture.width = 0;
     check_refused(on, "svo_light_set_mesh: texture 0 is 0 x 16 texels, not 1 .. 16384 each, or has none");
     on->texture.width = TEXELS;
+    on->mesh.normal_maps = on->maps;
+    on->maps[2].scale = NAN;
+    check_refused(on, "svo_light_set_mesh: normal map 2 has a scale of nan, not finite");
+    on->mesh.normal_maps = NULL;
     on->mesh.positions = NULL;
     check_refused(on, "mesh has 6 vertices but not exactly one array of positions");
     on->mesh.positions = on->positions;
@@ -475,12 +648,23 @@ static void bad_names_are_harmless(void **state)
 TEST_GROUP(light_mesh)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pixels_show_their_texels),      cmocka_unit_test(wide_rays_see_leaves),
-        cmocka_unit_test(wide_rays_see_means),           cmocka_unit_test(means_weigh_by_alpha),
-        cmocka_unit_test(cut_outs_end_at_their_texels),  cmocka_unit_test(panes_multiply),
-        cmocka_unit_test(normals_are_those_of_vertices), cmocka_unit_test(materials_are_those_of_triangles),
-        cmocka_unit_test(all_kinds_of_arrays_are_read),  cmocka_unit_test(other_meshes_are_refused),
-        cmocka_unit_test(bad_names_are_harmless),        cmocka_unit_test(light_between_surfaces_has_their_own_colors),
+        cmocka_unit_test(pixels_show_their_texels),
+        cmocka_unit_test(wide_rays_see_leaves),
+        cmocka_unit_test(wide_rays_see_means),
+        cmocka_unit_test(means_weigh_by_alpha),
+        cmocka_unit_test(cut_outs_end_at_their_texels),
+        cmocka_unit_test(panes_multiply),
+        cmocka_unit_test(normals_are_those_of_vertices),
+        cmocka_unit_test(materials_are_those_of_triangles),
+        cmocka_unit_test(all_kinds_of_arrays_are_read),
+        cmocka_unit_test(other_meshes_are_refused),
+        cmocka_unit_test(bad_names_are_harmless),
+        cmocka_unit_test(light_between_surfaces_has_their_own_colors),
+        cmocka_unit_test(tilted_maps_tilt),
+        cmocka_unit_test(each_texel_bends),
+        cmocka_unit_test(skies_light_bent_normals),
+        cmocka_unit_test(backs_are_mirrored),
+        cmocka_unit_test(maps_need_coordinates),
     };
     return cmocka_run_group_tests_name("light_mesh", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -339,6 +339,35 @@ static void points_are_gathered(void **state)
     run_well("rm a.csv points.csv sheets.obj");
 }
 
+/* What auto becomes follows from the options, and is told. */
+static void the_method_is_told(void **state)
+{
+    (void)state;
+    need_builds();
+    static const struct {
+        const char *options, *method;
+    } cases[] = {{"", "rays"},
+                 {"--error 0.1", "rays"},
+                 {"--method auto --paths 16", "rays"},
+                 {"--cones 5", "cones"},
+                 {"--method cones", "cones"}};
+    char line[200];
+    char told[40];
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        (void)snprintf(line, sizeof line, "$SVOCL gather scene:cube -d 3 --points 4 %s -o a.csv", cases[i].options);
+        (void)snprintf(told, sizeof told, "of scene:cube by %s in ", cases[i].method);
+        run_well(line);
+        assert_non_null(strstr(last.output, told));
+        (void)strcat(line, " --json");
+        cJSON *document = run_json(line);
+        assert_string_equal(cJSON_GetObjectItem(document, "method")->valuestring, cases[i].method);
+        cJSON_Delete(document);
+    }
+    run_well("$SVOCL render scene:cube -d 3 --view ao --size 16x16 -o a.png");
+    assert_non_null(strstr(last.output, "of scene:cube by rays in "));
+    run_well("rm a.csv a.png");
+}
+
 /* Areas are built where the opacity needs them, and trees without them are opaque from every side. */
 static void leaves_are_as_opaque_as_asked(void **state)
 {
@@ -442,6 +471,7 @@ TEST_GROUP(light_file)
                                        IN_FOLDER(occlusion_has_a_range),
                                        IN_FOLDER(what_does_not_apply_is_refused),
                                        IN_FOLDER(points_are_gathered),
+                                       IN_FOLDER(the_method_is_told),
                                        IN_FOLDER(leaves_are_as_opaque_as_asked),
                                        IN_FOLDER(emitters_shoot_photons),
                                        IN_FOLDER(the_truth_stands_beside)};

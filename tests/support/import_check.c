@@ -25,15 +25,20 @@ static void keep_warning(void *user, svo_log_level level, const char *text)
     (void)snprintf(warnings + used, sizeof warnings - used, "%s\n", text);
 }
 
-svo_import *import_named(const char *name)
+svo_import *import_with(const char *name, const svo_import_options *options)
 {
     svo_import *import = NULL;
     svo_message message = {""};
     warnings[0] = '\0';
-    if (svo_import_file(path_of(name), NULL, keep_warning, NULL, &import, &message) != SVO_OK) {
+    if (svo_import_file(path_of(name), options, keep_warning, NULL, &import, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
     return import;
+}
+
+svo_import *import_named(const char *name)
+{
+    return import_with(name, NULL);
 }
 
 svo_import *import_text(const char *name, const char *text)

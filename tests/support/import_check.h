@@ -7,6 +7,7 @@
 
 /* Imports; a failure is the test's. The caller destroys what they return. */
 svo_import *import_named(const char *name);
+svo_import *import_with(const char *name, const svo_import_options *options);
 svo_import *import_text(const char *name, const char *text);
 
 /* Of the last import: this text is in its warnings; there is none. */

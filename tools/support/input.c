@@ -341,6 +341,7 @@ static int import(program *state, const char *path, input *opened)
                                          .progress = ask_to_go_on,
                                          .progress_user = state->progress,
                                          .axes = (uint32_t)state->options.axes,
+                                         .normal_maps = state->wants_normal_maps ? 1 : 0,
                                          .weld = state->options.weld};
     if (svo_import_helper(helper, sizeof helper, NULL) != SVO_OK) {
         import_options.child_program = "/proc/self/exe"; /* this program alone, copied out of its installation */

@@ -199,6 +199,11 @@ static bool gathers_by_cones(const options *given)
     return given->gather_method == SVO_GATHER_CONES || given->cones != 0;
 }
 
+const char *lighting_method(const options *given)
+{
+    return gathers_by_cones(given) ? "cones" : "rays";
+}
+
 void lighting_set_photons(const options *given, svo_light_setup *setup)
 {
     setup->no_photons = given->photons == 0;

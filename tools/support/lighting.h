@@ -65,6 +65,9 @@ void lighting_set_photons(const options *given, svo_light_setup *setup);
 /* --cones, --range, --lambda, and what gather has besides; without --range any distance. */
 svo_gather_options lighting_gather(const options *given);
 
+/* What --method auto becomes: "cones" or "rays". Follows from the options alone. */
+const char *lighting_method(const options *given);
+
 /* How far ambient occlusion reaches: --range, or else a tenth of the grid's width. 0: any distance. */
 double lighting_occlusion_range(const options *given, const svo_tree *tree);
 

@@ -51,6 +51,7 @@ typedef struct program {
     program_devices devices; /* create NULL: the default */
     bool compares; /* the command does */
     bool reads_mesh; /* so that JSON has the warnings as well */
+    bool wants_normal_maps; /* of mesh files */
     char last_failure[PROGRAM_FAILURE_BYTES]; /* the words of the last program_fail */
 } program;
 

@@ -23,7 +23,7 @@ static const svo_material clay = {.rgba = {203, 203, 203, 255}, .texture_index =
 /* What of the arrays some part has, and how long they are. */
 typedef struct totals {
     uint64_t vertices, triangles, materials, textures;
-    bool normals, colors, uvs, looks, finishes; /* looks: materials, or colors, which need them */
+    bool normals, colors, uvs, looks, finishes, maps; /* looks: materials, or colors, which need them */
 } totals;
 
 /* Where a part's materials and textures begin. */
@@ -56,6 +56,7 @@ static void count_part(const svo_mesh *part, totals *all, part_range *range)
     all->uvs = all->uvs || part->uvs != NULL;
     all->looks = all->looks || part->colors != NULL || part->material_count > 0;
     all->finishes = all->finishes || part->finishes != NULL;
+    all->maps = all->maps || part->normal_maps != NULL;
 }
 
 /* Vertices: as many as triangles without indices have. */
@@ -101,6 +102,7 @@ static bool make_arrays(const totals *all, placed_mesh *out)
     out->materials = make_array(all->looks, (size_t)all->materials, sizeof *out->materials, &worked);
     out->textures = make_array(all->looks, (size_t)all->textures, sizeof *out->textures, &worked);
     out->finishes = make_array(all->finishes, (size_t)all->materials, sizeof *out->finishes, &worked);
+    out->normal_maps = make_array(all->maps, (size_t)all->materials, sizeof *out->normal_maps, &worked);
     out->mesh = (svo_mesh){.struct_size = sizeof out->mesh,
                            .positions_double = out->positions,
                            .vertex_count = vertices,
@@ -114,7 +116,8 @@ static bool make_arrays(const totals *all, placed_mesh *out)
                            .material_count = all->looks ? (size_t)all->materials : 0,
                            .textures = out->textures,
                            .texture_count = all->looks ? (size_t)all->textures : 0,
-                           .finishes = out->finishes};
+                           .finishes = out->finishes,
+                           .normal_maps = out->normal_maps};
     return worked;
 }
 
@@ -129,10 +132,25 @@ static void placed_mesh_free(placed_mesh *placed)
     free(placed->materials);
     free(placed->textures);
     free(placed->finishes);
+    free(placed->normal_maps);
     *placed = (placed_mesh){.positions = NULL};
 }
 
 /* ---- looks ---- */
+
+/* A part's normal maps, or none, for materials of which it has one at least. */
+static void add_normal_maps(const svo_mesh *part, const part_range *range, placed_mesh *out)
+{
+    for (size_t i = 0; i < materials_of(part); ++i) {
+        const svo_normal_map map = part->normal_maps != NULL && i < part->material_count
+                                       ? part->normal_maps[i]
+                                       : (svo_normal_map){SVO_NO_TEXTURE, 1};
+        out->normal_maps[range->first_material + i] = (svo_normal_map){
+            map.texture_index < part->texture_count ? map.texture_index + (uint32_t)range->first_texture
+                                                    : SVO_NO_TEXTURE,
+            map.scale};
+    }
+}
 
 /* A part's materials and textures, behind those of the parts before it. */
 static void add_looks(const svo_mesh *part, const part_range *range, placed_mesh *out)
@@ -150,6 +168,9 @@ static void add_looks(const svo_mesh *part, const part_range *range, placed_mesh
     }
     for (size_t i = 0; part->finishes != NULL && i < part->material_count; ++i) {
         out->finishes[range->first_material + i] = part->finishes[i];
+    }
+    if (out->normal_maps != NULL) {
+        add_normal_maps(part, range, out);
     }
 }
 

@@ -24,6 +24,7 @@ typedef struct placed_mesh {
     svo_material *materials;
     svo_texture *textures;
     svo_finish *finishes;
+    svo_normal_map *normal_maps;
 } placed_mesh;
 
 /* Surfaces that are placed, and what they borrow. */

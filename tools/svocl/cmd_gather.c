@@ -237,6 +237,7 @@ static int report_json(const gathering *work)
     cJSON *document = json_document();
     json_add_text(document, "input", given->input);
     json_add_text(document, "file", given->output_path);
+    json_add_text(document, "method", lighting_method(given));
     json_add_count(document, "points", work->at.count);
     json_add_count(document, "left_out", work->left_out);
     cJSON_AddNumberToObject(document, "ao", work->openness);
@@ -263,8 +264,8 @@ static int report(const gathering *work)
         return PROGRAM_DONE;
     }
     progress_hide(work->state->progress);
-    table_line("%s: %s points of %s in %s; light in %s", output_name(given->output_path),
-               figure_count(work->at.count).text, given->input, figure_ms(work->gather_ms).text,
+    table_line("%s: %s points of %s by %s in %s; light in %s", output_name(given->output_path),
+               figure_count(work->at.count).text, given->input, lighting_method(given), figure_ms(work->gather_ms).text,
                figure_ms(work->lit.light_ms).text);
     lighting_report_range(given, work->range);
     lighting_report_scene(&work->lit, &work->done);

@@ -62,6 +62,7 @@ static int draw(void *user, const svo_camera *camera, const svo_picture_output *
 static int report_json(const light_render *work)
 {
     cJSON *document = picture_document(work->state);
+    json_add_text(document, "method", lighting_method(&work->state->options));
     if (shows_occlusion(work)) {
         cJSON_AddNumberToObject(document, "range", (double)work->gather.range);
     } else {
@@ -78,8 +79,8 @@ static void report_text(const light_render *work)
 {
     const options *given = &work->state->options;
     progress_hide(work->state->progress);
-    table_line("%s of %s in %s; light in %s%s", picture_describe(given).text, given->input,
-               figure_ms(work->render_ms).text, figure_ms(work->lit.light_ms).text,
+    table_line("%s of %s by %s in %s; light in %s%s", picture_describe(given).text, given->input,
+               lighting_method(given), figure_ms(work->render_ms).text, figure_ms(work->lit.light_ms).text,
                shows_occlusion(work) ? "" : exposure_describe(&work->exposed).text);
     if (shows_occlusion(work)) {
         lighting_report_range(given, (double)work->gather.range);
@@ -123,6 +124,7 @@ static int render(light_render *work)
 int render_light(program *state)
 {
     light_render work = {.state = state};
+    state->wants_normal_maps = true;
     int exit_code = lighting_open(state, &work.lit);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;

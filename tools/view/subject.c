@@ -219,6 +219,7 @@ static int prepare_placing(subject *which, view_state *state)
 
 static int open_tree(program *running, view_state *state, subject *out)
 {
+    running->wants_normal_maps = true;
     int exit_code = lighting_open(running, &out->lit);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;

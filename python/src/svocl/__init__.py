@@ -129,7 +129,7 @@ from ._generated import (
 )
 from ._edit import Box, Capsule, Edit, Sphere
 from ._light import LIGHT_ARGUMENTS, Light, LightSource, light_kernel_source, make_gather_points
-from ._mesh import NO_VERTEX, DeviceMesh, Finish, Material, Mesh, Texture, has_io, read_mesh
+from ._mesh import NO_VERTEX, DeviceMesh, Finish, Material, Mesh, NormalMap, Texture, has_io, read_mesh
 from ._moving import Moving
 from ._opencl import Event
 from ._page import png
@@ -209,6 +209,7 @@ __all__ = [
     "Need",
     "NoDeviceError",
     "NoGLError",
+    "NormalMap",
     "NotOnDeviceError",
     "Opacity",
     "Place",

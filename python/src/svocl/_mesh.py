@@ -47,6 +47,16 @@ class Finish(NamedTuple):
     """Of the Phong lobe, not negative."""
 
 
+class NormalMap(NamedTuple):
+    """How a material bends normals, for pictures of light: a texture of unit vectors in tangent space, as glTF 2.0 has
+    them."""
+
+    texture_index: Optional[int] = None
+    """Into Mesh.textures; None: no map."""
+    scale: float = 1.0
+    """What x and y are multiplied by, finite."""
+
+
 class Mesh:
     """A triangle mesh in host memory.
 
@@ -65,6 +75,7 @@ class Mesh:
         materials: at most 65535; none: white.
         textures: of the materials.
         finishes: one for each material; none: all are diffuse. Builds do not read them.
+        normal_maps: one for each material, for Light.set_mesh; none: there are none. Builds do not read them.
 
     Attributes: the arguments, as arrays and tuples; of a mesh from read_mesh also import_info, and file_vertices,
     (count,) uint32: for each vertex of a PLY or OFF file and each "v" of an OBJ file one of the mesh's vertices that
@@ -80,6 +91,7 @@ class Mesh:
     materials: tuple[Material, ...]
     textures: tuple[Texture, ...]
     finishes: tuple[Finish, ...]
+    normal_maps: tuple[NormalMap, ...]
     import_info: Optional[_generated.ImportInfo] = None
     file_vertices: Optional[npt.NDArray[np.uint32]] = None
 
@@ -95,6 +107,7 @@ class Mesh:
         materials: Sequence[Material] = (),
         textures: Sequence[Texture] = (),
         finishes: Sequence[Finish] = (),
+        normal_maps: Sequence[NormalMap] = (),
     ) -> None:
         self.positions = _arrays.floats("positions", positions, ("vertex_count", 3), double=True)
         vertices = self.vertex_count
@@ -113,8 +126,10 @@ class Mesh:
         self.materials = tuple(materials)
         self.textures = tuple(_texture(f"textures[{i}]", texture) for i, texture in enumerate(textures))
         self.finishes = tuple(finishes)
-        if self.finishes and len(self.finishes) != len(self.materials):
-            raise ValueError(f"finishes: {len(self.finishes)}, expected {len(self.materials)}, one for each material")
+        self.normal_maps = tuple(normal_maps)
+        for name, items in (("finishes", self.finishes), ("normal_maps", self.normal_maps)):
+            if items and len(items) != len(self.materials):
+                raise ValueError(f"{name}: {len(items)}, expected {len(self.materials)}, one for each material")
 
     @property
     def vertex_count(self) -> int:
@@ -189,6 +204,8 @@ class Mesh:
             mesh.material_count = len(self.materials)
         if self.finishes:
             mesh.finishes = keep(ffi.new("svo_finish[]", [finish_record(finish) for finish in self.finishes]))
+        if self.normal_maps:
+            mesh.normal_maps = keep(ffi.new("svo_normal_map[]", [_normal_map(map) for map in self.normal_maps]))
         if self.textures:
             mesh.textures = keep(ffi.new("svo_texture[]", len(self.textures)))
             mesh.texture_count = len(self.textures)
@@ -334,6 +351,12 @@ def _material(material: Material) -> tuple[list[int], int]:
     return rgba.tolist(), lib.SVO_NO_TEXTURE if index is None else _arrays.integer("Material.texture_index", index)
 
 
+def _normal_map(map: NormalMap) -> tuple[int, float]:
+    index = map.texture_index
+    named = lib.SVO_NO_TEXTURE if index is None else _arrays.integer("NormalMap.texture_index", index)
+    return named, map.scale
+
+
 def finish_record(finish: Finish) -> tuple[list[float], list[float], float]:
     emission = _arrays.floats("Finish.emission", finish.emission, (3,))
     specular = _arrays.floats("Finish.specular", finish.specular, (3,))
@@ -390,6 +413,7 @@ def read_mesh(
     strict: bool = False,
     axes: Axes = Axes.AUTO,
     weld: float = 0.0,
+    normal_maps: bool = False,
 ) -> Mesh:
     """Reads a mesh file: OBJ with MTL, PLY, STL, OFF and glTF by the library's own readers, others by assimp.
 
@@ -405,6 +429,7 @@ def read_mesh(
         axes: Axes.Z_UP: z is up in the file, so that it is turned. Else it is as the file says.
         weld: a distance in the mesh's units, 0 or more. A vertex that lies no farther than this from an earlier one
             that stayed gets the position of the first of these, so that cracks close. 0: positions stay as they are.
+        normal_maps: the mesh has the normal maps of its materials, and their textures, for Light.set_mesh.
 
     Raises:
         InvalidArgumentError: weld is negative or not finite.
@@ -418,6 +443,7 @@ def read_mesh(
     options.strict = bool(strict)
     options.axes = Axes(axes)
     options.weld = weld
+    options.normal_maps = bool(normal_maps)
     helper = os.path.join(os.path.dirname(os.path.abspath(__file__)), "svocl-import")
     program = ffi.new("char[]", encode(helper))  # the wheel's; Debian's package uses that of the shared library
     options.child_program = program if os.path.exists(helper) else ffi.NULL
@@ -468,6 +494,8 @@ def read_struct(native: Native, struct: Any) -> Mesh:
     mesh.textures = tuple(_read_texture(native, struct.textures[i]) for i in range(struct.texture_count))
     finish_count = 0 if struct.finishes == ffi.NULL else struct.material_count
     mesh.finishes = tuple(_read_finish(struct.finishes[i]) for i in range(finish_count))
+    map_count = 0 if struct.normal_maps == ffi.NULL else struct.material_count
+    mesh.normal_maps = tuple(_read_normal_map(struct.normal_maps[i]) for i in range(map_count))
     return mesh
 
 
@@ -479,6 +507,11 @@ def _read_material(struct: Any) -> Material:
 
 def _read_finish(struct: Any) -> Finish:
     return Finish(tuple(struct.emission), tuple(struct.specular), struct.exponent)
+
+
+def _read_normal_map(struct: Any) -> NormalMap:
+    index = struct.texture_index
+    return NormalMap(None if index == lib.SVO_NO_TEXTURE else index, struct.scale)
 
 
 def _read_texture(native: Native, struct: Any) -> Texture:
