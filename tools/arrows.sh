@@ -12,7 +12,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 # The rooms of each tree in their order. A room in parentheses stands beside the one before it: neither includes the
 # other.
-lib_rooms='output core plan commands stages pipeline (io (voxels (rays '
+lib_rooms='output core plan commands stages pipeline (io (rays voxels '
 lib_rooms+='compact (moving (parts (edit paged (solid (scene (light sdf surface (light_file (probes'
 readonly lib_rooms
 readonly glinterop_rooms='context share raster compute frontend'

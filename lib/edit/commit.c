@@ -71,7 +71,8 @@ static svo_status find_nodes(svo_device *device, const svo_edit *edit, const uin
     static const uint32_t corner[3] = {0, 0, 0};
     const int64_t offset[3] = {-(int64_t)low[0], -(int64_t)low[1], -(int64_t)low[2]};
     svo_i_edit_ref moved = SVO_I_EDIT_EMPTY;
-    c->moved = (svo_i_edit_store){.memory = edit->store.memory, .max_bytes = UINT64_MAX};
+    c->moved = (svo_i_edit_store){
+        .memory = edit->store.memory, .has_normals = edit->store.has_normals, .max_bytes = UINT64_MAX};
     svo_i_edit_run run = {.store = &c->moved, .share = 1.0};
     if (!svo_i_edit_move(&run, &edit->store, root, offset, &moved)) {
         return fail_memory(device);
@@ -184,7 +185,7 @@ static svo_status commit_nodes(const svo_edit *edit, svo_device *device, unsigne
         return SVO_OK;
     }
     find_bounds(edit, low, &c);
-    SVO_I_TRY(svo_i_voxels_options(device, &c.list, &depth, &asked));
+    SVO_I_TRY(svo_i_voxels_options(device, &c.list, edit->store.has_normals, &depth, &asked));
     *done = depth >= LEVEL_MIN && asked.payload_level <= depth;
     if (!*done) {
         return SVO_OK;

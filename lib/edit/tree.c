@@ -2,7 +2,8 @@
 /*
  * Two walks from the root down: the first one counts the nodes of each level and finds what payload is constant, the
  * second one writes. Payload goes up as it does in a build (kernels/stages/sums.clh, material.cl), where voxels weigh
- * the same: sums of colors times alpha, and how many voxels have each material. So the bytes are those of a build.
+ * the same: sums of colors times alpha and of normals, and how many voxels have each material. So the bytes are those
+ * of a build.
  */
 #include "edit/tree.h"
 
@@ -122,7 +123,8 @@ typedef struct writer {
     /* of the first walk */
     uint64_t counts[SVO_LEVELS_MAX];
     svo_i_edit_payload first;
-    bool has_first, colors_vary, materials_vary;
+    uint64_t first_normal;
+    bool has_first, colors_vary, materials_vary, normals_vary;
     /* of the second one */
     uint32_t next[SVO_LEVELS_MAX]; /* the next node of each level */
     uint32_t payload_begin; /* the first node with payload */
@@ -130,6 +132,7 @@ typedef struct writer {
     uint32_t *first_child;
     uint32_t *colors; /* NULL: constant, or not asked for */
     uint16_t *materials; /* the same */
+    int16_t *normals; /* the same */
     run *runs; /* materials of nodes whose parent is not written yet, each node's ascending */
     size_t run_count, run_room;
 } writer;
@@ -147,10 +150,27 @@ static bool tell(writer *w, uint32_t level, bool is_inner, uint64_t voxel_count)
 
 /* ---- counting ---- */
 
+/* is_first: no node was noted before. */
+static void note_normals(writer *w, svo_i_edit_ref ref, uint32_t variety, bool is_first)
+{
+    if (!w->store->has_normals || w->normals_vary) {
+        return;
+    }
+    svo_i_edit_cells cells = {.mask = 1};
+    if ((variety & SVO_I_EDIT_NORMALS) != 0) {
+        svo_i_edit_unpack(w->store, ref, &cells);
+    }
+    w->first_normal = is_first ? cells.normal[svo_i_edit_lowest(cells.mask)] : w->first_normal;
+    for (uint64_t left = cells.mask; left != 0; left &= left - 1) {
+        w->normals_vary = w->normals_vary || cells.normal[svo_i_edit_lowest(left)] != w->first_normal;
+    }
+}
+
 static void note(writer *w, svo_i_edit_ref ref)
 {
     const svo_i_edit_payload payload = svo_i_edit_payload_of(w->store, ref);
     const uint32_t variety = svo_i_edit_variety_of(w->store, ref);
+    note_normals(w, ref, variety, !w->has_first);
     w->first = w->has_first ? w->first : payload;
     w->has_first = true;
     w->colors_vary = w->colors_vary || payload.color != w->first.color || (variety & SVO_I_EDIT_COLORS) != 0;
@@ -259,6 +279,18 @@ static void add_sums(svo_i_edit_sums *to, const svo_i_edit_sums *from)
     for (uint32_t i = 0; i < 4; ++i) {
         to->color[i] += from->color[i];
     }
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+        to->normal[axis] += from->normal[axis];
+    }
+}
+
+/* As svo_mean_normal of kernels: rounded half up, with an offset that makes the dividend positive. */
+static void put_mean_normal(const svo_i_edit_sums *s, int16_t out[3])
+{
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+        const uint64_t shifted = (uint64_t)(2 * s->normal[axis] + (int64_t)(s->weight << 16)) + s->weight;
+        out[axis] = (int16_t)((int64_t)(shifted / (2 * s->weight)) - 32768);
+    }
 }
 
 /* Writes what a node above the voxels has. run_begin: its first run. */
@@ -269,6 +301,9 @@ static void put_payload(writer *w, uint32_t node, const svo_i_edit_sums *s, size
     }
     if (w->colors != NULL) {
         w->colors[node - w->payload_begin] = svo_i_edit_mean_color(s);
+    }
+    if (w->normals != NULL) {
+        put_mean_normal(s, w->normals + 3 * (size_t)(node - w->payload_begin));
     }
     if (w->materials != NULL) {
         run most = w->runs[run_begin];
@@ -308,6 +343,9 @@ static bool write_uniform(writer *w, svo_i_edit_ref ref, uint32_t level, svo_i_e
         for (uint32_t i = 0; i < node_count && begin >= w->payload_begin && w->materials != NULL; ++i) {
             w->materials[begin - w->payload_begin + i] = payload.material;
         }
+        if (begin >= w->payload_begin && w->normals != NULL) {
+            memset(w->normals + 3 * (size_t)(begin - w->payload_begin), 0, node_count * 3 * sizeof *w->normals);
+        }
         w->next[at] += node_count;
     }
     svo_i_edit_add_color(out, payload.color, voxel_count);
@@ -322,6 +360,13 @@ static bool write_leaf(writer *w, const svo_i_edit_cells *cells, uint32_t cell, 
     svo_i_edit_add_color(out, color, 1);
     if (w->colors != NULL) {
         w->colors[leaf - w->payload_begin] = shown_color(color);
+    }
+    if (w->normals != NULL) {
+        int16_t *normal = w->normals + 3 * (size_t)(leaf - w->payload_begin);
+        svo_i_edit_unpack_normal(cells->normal[cell], normal);
+        for (uint32_t axis = 0; axis < 3; ++axis) {
+            out->normal[axis] += normal[axis];
+        }
     }
     if (w->materials == NULL) {
         return true;
@@ -433,7 +478,8 @@ static svo_status take_counts(writer *w)
     info->leaf_count = node_count - info->inner_count;
     info->fragments = info->leaf_count;
     info->constant = (w->colors_vary ? 0u : info->need & (uint32_t)SVO_NEED_COLOR) |
-                     (w->materials_vary ? 0u : info->need & (uint32_t)SVO_NEED_MATERIAL);
+                     (w->materials_vary ? 0u : info->need & (uint32_t)SVO_NEED_MATERIAL) |
+                     (w->normals_vary ? 0u : info->need & (uint32_t)SVO_NEED_NORMAL);
     w->payload_begin = info->level_begin[info->payload_level];
     return SVO_OK;
 }
@@ -441,7 +487,7 @@ static svo_status take_counts(writer *w)
 static bool allocate(writer *w)
 {
     static const svo_tree_buffer arrays[] = {SVO_TREE_CHILD_MASK, SVO_TREE_FIRST_CHILD, SVO_TREE_COLORS,
-                                             SVO_TREE_MATERIALS};
+                                             SVO_TREE_NORMALS, SVO_TREE_MATERIALS};
     svo_tree *tree = w->tree;
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i) {
         if (svo_i_tree_holds(&tree->info, arrays[i])) {
@@ -457,6 +503,7 @@ static bool allocate(writer *w)
     w->first_child = tree->host[SVO_TREE_FIRST_CHILD];
     w->colors = tree->host[SVO_TREE_COLORS];
     w->materials = tree->host[SVO_TREE_MATERIALS];
+    w->normals = tree->host[SVO_TREE_NORMALS];
     return true;
 }
 
@@ -470,6 +517,10 @@ static void put_constants(writer *w)
     if (w->materials != NULL && !w->materials_vary) {
         w->materials[0] = w->first.material;
         w->materials = NULL;
+    }
+    if (w->normals != NULL && !w->normals_vary) {
+        svo_i_edit_unpack_normal(w->first_normal, w->normals);
+        w->normals = NULL;
     }
 }
 

@@ -340,7 +340,8 @@ static int check_arguments(program *state, const editing *done)
         return program_fail(state, PROGRAM_WRONG_USAGE,
                             "%s is no file of voxels or of a tree; svocl convert makes one of a mesh", given->input);
     }
-    int exit_code = voxel_input_check_options(state, given->need);
+    const uint32_t of_trees_alone = input_is_tree(state) ? (uint32_t)SVO_NEED_NORMAL : 0u;
+    int exit_code = voxel_input_check_options(state, given->need & ~of_trees_alone);
     if (exit_code == PROGRAM_DONE && done->to == OUTPUT_VOXELS) {
         exit_code = options_refuse(state, of_trees, "to OUT that holds voxels");
     }
