@@ -128,6 +128,8 @@ typedef struct writer {
     /* of the second one */
     uint32_t next[SVO_LEVELS_MAX]; /* the next node of each level */
     uint32_t payload_begin; /* the first node with payload */
+    bool depth_first; /* the order of payload */
+    uint32_t next_place; /* of payload, where it is depth-first */
     uint8_t *masks;
     uint32_t *first_child;
     uint32_t *colors; /* NULL: constant, or not asked for */
@@ -293,24 +295,32 @@ static void put_mean_normal(const svo_i_edit_sums *s, int16_t out[3])
     }
 }
 
-/* Writes what a node above the voxels has. run_begin: its first run. */
-static void put_payload(writer *w, uint32_t node, const svo_i_edit_sums *s, size_t run_begin)
+#define NO_PLACE UINT32_MAX
+
+/* Where the payload of the node that is met now goes, or NO_PLACE. */
+static uint32_t take_place(writer *w, uint32_t node)
 {
-    if (node < w->payload_begin) {
+    return node < w->payload_begin ? NO_PLACE : w->depth_first ? w->next_place++ : node - w->payload_begin;
+}
+
+/* Writes what a node above the voxels has. run_begin: its first run. */
+static void put_payload(writer *w, uint32_t place, const svo_i_edit_sums *s, size_t run_begin)
+{
+    if (place == NO_PLACE) {
         return;
     }
     if (w->colors != NULL) {
-        w->colors[node - w->payload_begin] = svo_i_edit_mean_color(s);
+        w->colors[place] = svo_i_edit_mean_color(s);
     }
     if (w->normals != NULL) {
-        put_mean_normal(s, w->normals + 3 * (size_t)(node - w->payload_begin));
+        put_mean_normal(s, w->normals + 3 * (size_t)place);
     }
     if (w->materials != NULL) {
         run most = w->runs[run_begin];
         for (size_t i = run_begin + 1; i < w->run_count; ++i) {
             most = w->runs[i].weight > most.weight ? w->runs[i] : most;
         }
-        w->materials[node - w->payload_begin] = most.material;
+        w->materials[place] = most.material;
     }
 }
 
@@ -322,7 +332,21 @@ static void put_masks(writer *w, uint32_t node, uint32_t level, uint32_t mask)
     w->first_child[node] = w->next[level + 1];
 }
 
-/* Full levels below a node, and that node itself. */
+/* Writes one payload so many times from a place on. */
+static void put_same(writer *w, uint32_t place, uint32_t node_count, svo_i_edit_payload payload)
+{
+    for (uint32_t i = 0; i < node_count && w->colors != NULL; ++i) {
+        w->colors[place + i] = shown_color(payload.color);
+    }
+    for (uint32_t i = 0; i < node_count && w->materials != NULL; ++i) {
+        w->materials[place + i] = payload.material;
+    }
+    if (w->normals != NULL) {
+        memset(w->normals + 3 * (size_t)place, 0, 3 * sizeof *w->normals * node_count);
+    }
+}
+
+/* Full levels below a node, and that node itself. They have one payload, so depth-first they lie side by side. */
 static bool write_uniform(writer *w, svo_i_edit_ref ref, uint32_t level, svo_i_edit_sums *out)
 {
     const svo_i_edit_payload payload = svo_i_edit_payload_of(w->store, ref);
@@ -337,14 +361,10 @@ static bool write_uniform(writer *w, svo_i_edit_ref ref, uint32_t level, svo_i_e
                 w->first_child[begin + i] = w->next[at + 1] + 8 * i;
             }
         }
-        for (uint32_t i = 0; i < node_count && begin >= w->payload_begin && w->colors != NULL; ++i) {
-            w->colors[begin - w->payload_begin + i] = shown_color(payload.color);
-        }
-        for (uint32_t i = 0; i < node_count && begin >= w->payload_begin && w->materials != NULL; ++i) {
-            w->materials[begin - w->payload_begin + i] = payload.material;
-        }
-        if (begin >= w->payload_begin && w->normals != NULL) {
-            memset(w->normals + 3 * (size_t)(begin - w->payload_begin), 0, node_count * 3 * sizeof *w->normals);
+        const uint32_t place = take_place(w, begin);
+        if (place != NO_PLACE) {
+            put_same(w, place, node_count, payload);
+            w->next_place += w->depth_first ? node_count - 1 : 0;
         }
         w->next[at] += node_count;
     }
@@ -355,14 +375,14 @@ static bool write_uniform(writer *w, svo_i_edit_ref ref, uint32_t level, svo_i_e
 /* run_begin: the first run of the octant. */
 static bool write_leaf(writer *w, const svo_i_edit_cells *cells, uint32_t cell, size_t run_begin, svo_i_edit_sums *out)
 {
-    const uint32_t leaf = w->next[w->depth]++;
+    const uint32_t place = take_place(w, w->next[w->depth]++);
     const uint32_t color = cells->color[cell];
     svo_i_edit_add_color(out, color, 1);
     if (w->colors != NULL) {
-        w->colors[leaf - w->payload_begin] = shown_color(color);
+        w->colors[place] = shown_color(color);
     }
     if (w->normals != NULL) {
-        int16_t *normal = w->normals + 3 * (size_t)(leaf - w->payload_begin);
+        int16_t *normal = w->normals + 3 * (size_t)place;
         svo_i_edit_unpack_normal(cells->normal[cell], normal);
         for (uint32_t axis = 0; axis < 3; ++axis) {
             out->normal[axis] += normal[axis];
@@ -373,7 +393,7 @@ static bool write_leaf(writer *w, const svo_i_edit_cells *cells, uint32_t cell, 
     }
     const uint16_t material = cells->material[cell];
     run *last = w->run_count > run_begin ? &w->runs[w->run_count - 1] : NULL;
-    w->materials[leaf - w->payload_begin] = material;
+    w->materials[place] = material;
     if (last != NULL && last->material == material) { /* of most voxels */
         ++last->weight;
         return true;
@@ -388,6 +408,7 @@ static bool write_octant(writer *w, const svo_i_edit_cells *cells, uint32_t octa
     const uint32_t level = w->depth - 1;
     const uint32_t mask = (uint32_t)(cells->mask >> 8u * octant & 0xffu);
     const uint32_t node = w->next[level]++;
+    const uint32_t place = take_place(w, node);
     const size_t begin = w->run_count;
     svo_i_edit_sums own = {.weight = 0};
     put_masks(w, node, level, mask);
@@ -396,7 +417,7 @@ static bool write_octant(writer *w, const svo_i_edit_cells *cells, uint32_t octa
             return false;
         }
     }
-    put_payload(w, node, &own, begin);
+    put_payload(w, place, &own, begin);
     add_sums(out, &own);
     return true;
 }
@@ -406,6 +427,7 @@ static bool write_block(writer *w, svo_i_edit_ref ref, svo_i_edit_sums *out)
     svo_i_edit_cells cells;
     const uint32_t level = w->depth - SVO_I_EDIT_BLOCK_LEVEL;
     const uint32_t node = w->next[level]++;
+    const uint32_t place = take_place(w, node);
     const size_t begin = w->run_count;
     svo_i_edit_sums own = {.weight = 0};
     svo_i_edit_unpack(w->store, ref, &cells);
@@ -417,7 +439,7 @@ static bool write_block(writer *w, svo_i_edit_ref ref, svo_i_edit_sums *out)
             return false;
         }
     }
-    put_payload(w, node, &own, begin);
+    put_payload(w, place, &own, begin);
     add_sums(out, &own);
     return true;
 }
@@ -429,6 +451,7 @@ static bool write_inner(writer *w, svo_i_edit_ref ref, uint32_t level, svo_i_edi
     svo_i_edit_ref children[8];
     const uint32_t at = w->depth - level;
     const uint32_t node = w->next[at]++;
+    const uint32_t place = take_place(w, node);
     const size_t begin = w->run_count;
     svo_i_edit_sums own = {.weight = 0};
     uint32_t mask = 0;
@@ -443,7 +466,7 @@ static bool write_inner(writer *w, svo_i_edit_ref ref, uint32_t level, svo_i_edi
             return false;
         }
     }
-    put_payload(w, node, &own, begin);
+    put_payload(w, place, &own, begin);
     add_sums(out, &own);
     return true;
 }
@@ -524,13 +547,14 @@ static void put_constants(writer *w)
     }
 }
 
-svo_status svo_i_edit_write_tree(const svo_i_edit_store *store, svo_i_edit_ref node, svo_tree *tree,
+svo_status svo_i_edit_write_tree(const svo_i_edit_store *store, svo_i_edit_ref node, bool depth_first, svo_tree *tree,
                                  svo_i_edit_told told_by, void *user)
 {
     const uint32_t depth = tree->info.depth;
     writer w = {.store = store,
                 .tree = tree,
                 .depth = depth,
+                .depth_first = depth_first,
                 .told = told_by,
                 .user = user,
                 .voxel_count = svo_i_edit_voxels_of(store, node, depth)};

@@ -66,6 +66,11 @@ def test_other_edits_are_combined(device):
             assert tree.info.leaf_count == edit.info.voxel_count
             with again.build(device) as same:
                 assert same.hash() == tree.hash()
+            with edit.compact(device, 6, svocl.Form.SHARED) as compact, edit.build(device, 6) as deeper:
+                with svocl.Compact(deeper, svocl.Form.SHARED) as same:
+                    assert compact.hash() == same.hash()
+            with pytest.raises(svocl.InvalidArgumentError, match="svo_edit_commit_compact: depth 1 is not in"):
+                edit.compact(device, 1)
 
 
 def test_normals_follow(device):

@@ -964,6 +964,70 @@ static void voxels_of_meshes_keep_their_normals(void **state)
     free(normals);
 }
 
+/* ---- compact trees ---- */
+
+static void assert_same_compact(const fixture *opened, const svo_edit *edit, unsigned depth,
+                                const svo_plan_options *options, const svo_compact_options *asked)
+{
+    svo_tree *tree = NULL;
+    svo_compact *made[2] = {NULL, NULL};
+    svo_compact_info infos[2] = {SVO_COMPACT_INFO_INIT, SVO_COMPACT_INFO_INIT};
+    char hashes[2][SVO_HASH_TEXT_BYTES];
+    succeed(opened, svo_edit_commit_compact(edit, opened->device, depth, options, asked, opened->queue, &made[0]));
+    succeed(opened, svo_edit_commit(edit, opened->device, depth, options, opened->queue, &tree, NULL));
+    succeed(opened, svo_compact_create(opened->device, tree, asked, opened->queue, &made[1]));
+    for (int i = 0; i < 2; ++i) {
+        assert_int_equal(svo_compact_get_info(made[i], &infos[i]), SVO_OK);
+        succeed(opened, svo_compact_download(made[i], opened->queue));
+        assert_int_equal(svo_compact_hash(made[i], hashes[i]), SVO_OK);
+        svo_compact_destroy(&made[i]);
+    }
+    assert_memory_equal(&infos[0], &infos[1], sizeof infos[0]);
+    assert_string_equal(hashes[0], hashes[1]);
+    svo_tree_destroy(&tree);
+}
+
+/* Whether payload differs between nodes decides about places; full cubes are written as one; with what is left out,
+   with payload of a few levels, and where the way goes by a tree. */
+static void compact_trees_are_those_of_trees(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    for (variety differs = ONE_OF_EACH; differs <= ALL_DIFFER; ++differs) {
+        svo_voxels *list = random_list(5 + (uint64_t)differs, differs);
+        svo_edit *edit = make_edit(list, NULL);
+        svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+        svo_compact_options asked = {.struct_size = sizeof asked, .form = SVO_FORM_SHARED};
+        assert_same_compact(&opened, edit, 0, NULL, &asked);
+        options.payload_level = 5; /* within the cube of 16 * 16 * 8 */
+        assert_same_compact(&opened, edit, 8, &options, &asked);
+        asked.leave_out = SVO_NEED_COLOR;
+        assert_same_compact(&opened, edit, 0, NULL, &asked);
+        asked.leave_out = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_MATERIAL;
+        assert_same_compact(&opened, edit, 0, &options, &asked);
+        options.fragment_capacity = 100;
+        assert_same_compact(&opened, edit, 0, &options, &asked);
+        asked.minimize = 1;
+        assert_same_compact(&opened, edit, 0, NULL, &asked);
+        asked = (svo_compact_options){.struct_size = sizeof asked, .form = SVO_FORM_DESCRIPTOR};
+        assert_same_compact(&opened, edit, 0, NULL, &asked);
+        svo_edit_destroy(&edit);
+        svo_voxels_destroy(&list);
+    }
+    random_edit r; /* with normals */
+    const svo_compact_options asked = {.struct_size = sizeof asked, .form = SVO_FORM_SHARED};
+    random_open(21, true, true, &r);
+    assert_same_compact(&opened, r.edit, 0, NULL, &asked);
+    svo_compact *compact = NULL;
+    const svo_compact_options wrong = {.struct_size = sizeof wrong, .form = SVO_FORM_COUNT};
+    assert_int_equal(svo_edit_commit_compact(r.edit, opened.device, 0, NULL, &wrong, NULL, &compact),
+                     SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(svo_device_message(opened.device), "svo_edit_commit_compact: options.form"));
+    assert_int_equal(svo_edit_commit_compact(r.edit, opened.device, 3, NULL, &asked, NULL, &compact),
+                     SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(svo_device_message(opened.device), "svo_edit_commit_compact: depth 3 is not in"));
+    random_close(&r);
+}
+
 static void commits_can_be_stopped(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -1360,6 +1424,7 @@ TEST_GROUP(edit)
         cmocka_unit_test(commits_are_builds),
         cmocka_unit_test(commits_have_the_normals_of_builds),
         cmocka_unit_test(voxels_of_meshes_keep_their_normals),
+        cmocka_unit_test(compact_trees_are_those_of_trees),
         cmocka_unit_test(commits_can_be_stopped),
         cmocka_unit_test(mirrors_show_what_is_committed),
         cmocka_unit_test(nodes_of_mirrors_differ_by_their_level),
