@@ -12,8 +12,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 # The rooms of each tree in their order. A room in parentheses stands beside the one before it: neither includes the
 # other.
-lib_rooms='output core plan commands stages pipeline (io (voxels (rays '
-lib_rooms+='compact (moving (parts (edit paged (solid (scene (light sdf surface (light_file (probes'
+lib_rooms='output core plan commands stages pipeline (io (rays voxels '
+lib_rooms+='compact (moving (parts edit (paged (solid (scene (light sdf surface (light_file (probes'
 readonly lib_rooms
 readonly glinterop_rooms='context share raster compute frontend'
 tools_rooms='lab/scenes (lab/reference lab/path support lab/measure lab/stress (lab/bench (lab/errors (lab/report '

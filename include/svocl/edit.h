@@ -6,7 +6,14 @@
  * An edit is an octree of its own in host memory, made from a list of voxels: of a file, or of a tree
  * (svo_tree_get_voxels; of a compact tree after svo_compact_expand). A step writes new nodes along the surface of what
  * it changes and shares all others with the version before. So it costs what it changes, and the versions that can be
- * undone to cost what they differ in. Full cubes of one color and material are one node each.
+ * undone to cost what they differ in. Full cubes of one color and material, without normals, are one node each.
+ *
+ * An edit has normals if its first list has them. Then voxels keep theirs, wherever they go, and SVO_EDIT_PAINT changes
+ * none. Of a box, a sphere or a capsule that is set or added, a voxel with a face to the outside of the shape gets the
+ * shape's normal, rounded to 1/32767: of a sphere or a capsule the direction from its center, or from the nearest point
+ * of its line in 1/256 of a voxel, to the voxel's center; of a box the sum of the normals of the faces that it is at.
+ * The other voxels of shapes have none, 0, 0, 0, nor do voxels that come from an edit without normals. What the edit
+ * uncovers keeps what it has.
  *
  * Coordinates are those of the list. A voxel (x, y, z) is inside a shape if its center (x + 1/2, y + 1/2, z + 1/2) is.
  * Positions and radii are rounded to 1/256 of a voxel, halves up, and decisions are exact from there on.
@@ -24,6 +31,7 @@
 #include <stdint.h>
 
 #include "svocl/build.h"
+#include "svocl/compact.h"
 #include "svocl/device.h"
 #include "svocl/memory.h"
 #include "svocl/plan.h"
@@ -44,7 +52,8 @@ typedef struct svo_edit svo_edit;
 
 /** What a step does with the voxels inside a shape. */
 typedef enum svo_edit_verb {
-    SVO_EDIT_SET = 0, /**< "set": all of it gets the step's color and material. A union where the shape wins */
+    /** "set": all of it gets the step's color and material, and the shape's normals. A union where the shape wins */
+    SVO_EDIT_SET = 0,
     SVO_EDIT_ADD = 1, /**< "add": what is empty is filled; voxels stay as they are. A union where they win */
     SVO_EDIT_CLEAR = 2, /**< "clear": all of it becomes empty. A difference */
     SVO_EDIT_KEEP = 3, /**< "keep": all outside of it becomes empty. An intersection */
@@ -56,8 +65,8 @@ typedef enum svo_edit_shape {
     SVO_EDIT_BOX = 0, /**< "box": from begin, inclusive, to end, exclusive; empty where end is not above begin */
     SVO_EDIT_SPHERE = 1, /**< "sphere": at most radius from begin */
     SVO_EDIT_CAPSULE = 2, /**< "capsule": at most radius from the line between begin and end */
-    /** "voxels": those of another edit, moved by offset; each has its own color and material. A closed mesh is one: its
-     *  solid (svo_solid_create), expanded, as voxels */
+    /** "voxels": those of another edit, moved by offset; each has its own color, material and normal. A closed mesh is
+     *  one: its solid (svo_solid_create), expanded, as voxels */
     SVO_EDIT_VOXELS = 3
 } svo_edit_shape;
 
@@ -202,7 +211,8 @@ SVO_API void svo_edit_collect(svo_edit *edit);
 SVO_API int svo_edit_find(const svo_edit *edit, const int32_t place[3], svo_voxel *voxel);
 
 /** The voxels of an edit as a list, which equals one that svo_voxels_create makes of the same voxels. While it runs it
- *  needs 20 bytes for each voxel, and 20 more where the voxels do not begin where those of the first list began.
+ *  needs 20 bytes for each voxel, and 20 more where the voxels do not begin where those of the first list began; with
+ *  normals, 6 and 10 more.
  *
  * \param edit with at most SVO_VOXELS_MAX voxels
  * \param out receives the list
@@ -229,6 +239,23 @@ SVO_API svo_status svo_edit_get_voxels(const svo_edit *edit, svo_voxels **out, s
 SVO_API svo_status svo_edit_commit(const svo_edit *edit, svo_device *device, unsigned depth,
                                    const svo_plan_options *options, cl_command_queue queue, svo_tree **out,
                                    svo_build_report *report);
+
+/** Makes the compact tree of an edit: svo_edit_commit, and svo_compact_create of its tree, with the same bytes.
+ *
+ *  In SVO_FORM_SHARED without minimize, where svo_edit_commit writes the tree from the edit's nodes, payload is written
+ *  in the form's order at once and no tree goes to the device: this takes about half the time.
+ *
+ * \param edit as for svo_edit_get_voxels
+ * \param device not NULL; must outlive the compact tree. It has the message of a failure
+ * \param depth as for svo_voxels_plan
+ * \param options as for svo_voxels_plan
+ * \param compact as for svo_compact_create; NULL means all defaults
+ * \param queue on the device's context; NULL: the device's own
+ * \param out receives the compact tree
+ * \returns what svo_edit_commit and svo_compact_create return. */
+SVO_API svo_status svo_edit_commit_compact(const svo_edit *edit, svo_device *device, unsigned depth,
+                                           const svo_plan_options *options, const svo_compact_options *compact,
+                                           cl_command_queue queue, svo_compact **out);
 
 /** The nodes of an edit on a device, for pictures without a tree: svo_render(svo_edit_mirror_target(mirror), ...). */
 typedef struct svo_edit_mirror svo_edit_mirror;

@@ -10,6 +10,9 @@
  * A material is a number that the tree carries along (SVO_NEED_MATERIAL). What it means is the caller's, or that of the
  * file: its properties are pairs of texts.
  *
+ * Voxels may have normals (SVO_NEED_NORMAL), as nodes of a tree have them: x, y, z in 32767ths, of a length of at most
+ * 1. 0, 0, 0 is none. Files of voxels have no normals.
+ *
  * Thread-safety: several threads may read a list.
  */
 #ifndef SVOCL_VOXELS_H
@@ -59,6 +62,7 @@ typedef struct svo_voxels_source {
     double voxel_edge; /**< width of a voxel, world units, finite and above 0; or 0 for 1 */
     /** Host memory of the list, for its whole life, and of what writes it to files; NULL: malloc and free. */
     const svo_memory_callbacks *memory;
+    const int16_t *normals; /**< voxel_count * 3: x, y, z of each voxel; NULL: voxels have none */
 } svo_voxels_source;
 
 /** No voxels. */
@@ -93,7 +97,7 @@ typedef struct svo_voxels_info {
 #define SVO_VOXELS_INFO_INIT SVO_STRUCT_INIT(svo_voxels_info)
 
 /** Makes a list: sorts the voxels and leaves out all but the last in each place. While it runs it needs 40 bytes for
- *  each voxel given.
+ *  each voxel given, and 16 more where they have normals.
  *
  * \param source not NULL
  * \param out receives the list
@@ -135,14 +139,22 @@ SVO_API const svo_voxel *svo_voxels_get(const svo_voxels *voxels);
  *          list is of no cloud. */
 SVO_API const uint64_t *svo_voxels_get_counts(const svo_voxels *voxels);
 
+/** The normals of voxels.
+ *
+ * \param voxels not NULL
+ * \returns svo_voxels_info.voxel_count * 3 numbers, in the order of svo_voxels_get, which belong to the list; NULL: the
+ *          voxels have none. */
+SVO_API const int16_t *svo_voxels_get_normals(const svo_voxels *voxels);
+
 /** The properties of materials, by material; those of one material by key, as bytes.
  *
  * \param voxels not NULL
  * \returns svo_voxels_info.property_count properties, which belong to the list. */
 SVO_API const svo_voxel_property *svo_voxels_get_properties(const svo_voxels *voxels);
 
-/** Plans the tree of a list: one leaf per voxel, with its color and material. A node above has the mean of the colors
- *  of its leaves, rounded half up, and the material that most of them have, the smaller one on ties.
+/** Plans the tree of a list: one leaf per voxel, with its color, normal and material. A node above has the mean of the
+ *  colors and of the normals of its leaves, rounded half up, and the material that most of them have, the smaller one
+ *  on ties. A leaf without a normal counts as 0, 0, 0.
  *
  *  The grid begins at the least corner of the voxels and has 2^depth of them along each axis. Voxels go through the
  *  kernels of triangles, as points at their centers; so builds, workspaces, budgets, progress and messages are those of
@@ -152,9 +164,10 @@ SVO_API const svo_voxel_property *svo_voxels_get_properties(const svo_voxels *vo
  * \param device not NULL; must outlive the plan
  * \param voxels not NULL; not needed afterwards
  * \param depth svo_voxels_info.depth .. 16; 0: that least one
- * \param options NULL means all defaults, with SVO_BUILDER_SORTED. need: SVO_NEED_COLOR, SVO_NEED_MATERIAL, both, or
- *        SVO_NEED_NONE; SVO_NEED_DEFAULT is both. coverage, edge and origin must be 0. weights have no meaning: all
- *        voxels weigh the same. fragment_capacity 0: the number of voxels
+ * \param options NULL means all defaults, with SVO_BUILDER_SORTED. need: any of SVO_NEED_COLOR, SVO_NEED_MATERIAL and,
+ *        if the voxels have normals, SVO_NEED_NORMAL; or SVO_NEED_NONE. SVO_NEED_DEFAULT is all of these. coverage,
+ *        edge and origin must be 0, updatable too with normals. weights have no meaning: all voxels weigh the same.
+ *        fragment_capacity 0: the number of voxels
  * \param out receives the plan
  * \returns what svo_plan_create returns. SVO_INVALID_ARGUMENT also when depth is too small for the voxels, they need
  *          one above SVO_DEPTH_MAX, or the grid's numbers are not finite. The device has the message. */
@@ -175,11 +188,12 @@ SVO_API svo_status svo_voxels_build(svo_device *device, const svo_voxels *voxels
                                     const svo_plan_options *options, cl_command_queue queue, svo_tree **out,
                                     svo_build_report *report);
 
-/** The leaves of a tree as a list of voxels: each with the leaf's color, or white, and its material, or 0. On a grid
+/** The leaves of a tree as a list of voxels: each with the leaf's color, or white, its material, or 0, and its normal
+ *  if the tree has normals. Fills, projected areas and leaf lists are of a mesh, and are left out. On a grid
  *  whose voxels are one world unit wide and begin at whole numbers, as svo_voxels_build makes of lists with the default
  *  origin, coordinates are those of the world. On other grids they count from the grid's least corner, which then is
  *  the origin of the list. Host memory comes from where the tree's does. While it runs it needs 20 bytes for each leaf,
- *  and 20 more where the leaves do not begin at the grid's least corner.
+ *  and 20 more where the leaves do not begin at the grid's least corner; with normals, 6 and 10 more.
  *
  * \param tree with host arrays (svo_tree_download), with at most SVO_VOXELS_MAX leaves
  * \param out receives the list

@@ -3,6 +3,8 @@
  * svo_compact_plan and svo_compact_create: options, checks, and the way from a tree to its compact form; and
  * svo_compact_expand: a compact tree becomes a built one again, by kernels/compact/expand.cl.
  */
+#include "compact/compact.h"
+
 #include <stdio.h>
 
 #include "compact/form.h"
@@ -48,9 +50,8 @@ static svo_status check_tolerances(svo_device *device, const char *function, con
     return check_tolerance(device, function, "fill_tolerance", options->fill_tolerance, FILL_TOLERANCE_MAX);
 }
 
-/* The options with defaults filled in, or what is wrong with them. */
-static svo_status read_options(svo_device *device, const char *function, const svo_compact_options *options,
-                               svo_compact_options *out)
+svo_status svo_i_compact_options(svo_device *device, const char *function, const svo_compact_options *options,
+                                 svo_compact_options *out)
 {
     SVO_I_TRY(svo_i_struct_read(svo_i_device_message(device), function, "options", options, out,
                                 SVO_I_STRUCT_SIZES(svo_compact_options, fill_tolerance)));
@@ -103,7 +104,7 @@ svo_status svo_compact_plan(const svo_tree *tree, const svo_compact_options *opt
     svo_compact_options asked;
     svo_compact_info planned;
     SVO_I_TRY(svo_i_tree_check(tree, function));
-    SVO_I_TRY(read_options(tree->device, function, options, &asked));
+    SVO_I_TRY(svo_i_compact_options(tree->device, function, options, &asked));
     SVO_I_TRY(check_counts(tree->device, function, tree));
     svo_i_source_describe(&tree->info, &asked, &planned);
     svo_i_form_count(&planned);
@@ -161,7 +162,7 @@ svo_status svo_compact_create(svo_device *device, const svo_tree *tree, const sv
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
                                  tree == NULL ? "tree" : "out");
     }
-    SVO_I_TRY(read_options(device, function, options, &asked));
+    SVO_I_TRY(svo_i_compact_options(device, function, options, &asked));
     const char *undefined = svo_i_tree_undefined(tree);
     if (undefined != NULL) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s", function, undefined);
@@ -173,6 +174,39 @@ svo_status svo_compact_create(svo_device *device, const svo_tree *tree, const sv
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a compact tree", function);
     }
     const svo_status status = make_compact(device, tree, &asked, queue, compact);
+    if (status != SVO_OK) {
+        svo_compact_destroy(&compact);
+        return status;
+    }
+    *out = compact;
+    return SVO_OK;
+}
+
+static svo_status share(svo_device *device, const char *function, const svo_tree *tree, cl_command_queue queue,
+                        svo_compact *compact)
+{
+    svo_i_device_work work;
+    svo_status status = SVO_OK;
+    SVO_I_TRY(svo_i_work_begin(device, function, queue, &work));
+    compact->device = device;
+    SVO_I_TRY_CLEANUP(svo_i_form_share(&work, tree, compact));
+    SVO_I_TRY_CLEANUP(svo_i_work_wait(&work));
+
+cleanup:
+    svo_i_work_end(&work);
+    return status;
+}
+
+svo_status svo_i_compact_share(svo_device *device, const char *function, const svo_tree *tree,
+                               const svo_compact_options *asked, cl_command_queue queue, svo_compact **out)
+{
+    SVO_I_TRY(check_counts(device, function, tree));
+    svo_compact *compact = svo_i_compact_new(&device->memory);
+    if (compact == NULL) {
+        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a compact tree", function);
+    }
+    svo_i_source_describe(&tree->info, asked, &compact->info);
+    const svo_status status = share(device, function, tree, queue, compact);
     if (status != SVO_OK) {
         svo_compact_destroy(&compact);
         return status;

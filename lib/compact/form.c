@@ -2,9 +2,12 @@
 /* The forms of compact trees: how each makes nodes and puts payload in its order. Kernels: kernels/compact. */
 #include "compact/form.h"
 
+#include <string.h>
+
 #include "compact/dag.h"
 #include "compact/programs.h"
 #include "core/device.h"
+#include "core/tree.h"
 #include "shared/dag.clh"
 #include "shared/descriptor.h"
 #include "shared/layout.h"
@@ -438,16 +441,74 @@ static svo_status share(sharing *s)
     return put_payload(s);
 }
 
+static void free_sharing(sharing *s)
+{
+    for (int i = 0; i < 4; ++i) {
+        svo_i_free(s->arrays[i]);
+    }
+    svo_i_free(s->place_of);
+    svo_i_free(s->origins);
+    svo_i_dag_free(&s->dag);
+}
+
 static svo_status make_shared(svo_i_device_work *work, const svo_i_compact_source *source, svo_compact *compact)
 {
     sharing s = {.work = work, .source = source, .compact = compact};
     const svo_status status = share(&s);
-    for (int i = 0; i < 4; ++i) {
-        svo_i_free(s.arrays[i]);
+    free_sharing(&s);
+    return status;
+}
+
+/* Describes nodes that are on the host. */
+static svo_status take_nodes(sharing *s, const svo_tree *tree)
+{
+    const svo_tree_info *info = &tree->info;
+    const uint8_t *valid = tree->host[SVO_TREE_CHILD_MASK];
+    const uint32_t last = info->level_begin[info->depth - 1];
+    uint8_t *leaf = svo_i_alloc_zeroed(&s->work->device->memory, (size_t)info->inner_count, sizeof *leaf);
+    s->arrays[0] = leaf;
+    if (leaf == NULL) {
+        return svo_i_device_fail(s->work->device, SVO_OUT_OF_HOST_MEMORY, "%s: leaf masks need %llu bytes",
+                                 s->work->function, (unsigned long long)info->inner_count);
     }
-    svo_i_free(s.place_of);
-    svo_i_free(s.origins);
-    svo_i_dag_free(&s.dag);
+    memcpy(leaf + last, valid + last, (size_t)info->inner_count - last);
+    s->nodes = (svo_i_dag_nodes){.depth = info->depth,
+                                 .payload_level = info->payload_level,
+                                 .valid = valid,
+                                 .leaf = leaf,
+                                 .first_inner = tree->host[SVO_TREE_FIRST_CHILD],
+                                 .payload_begin = info->level_begin[info->payload_level]};
+    s->nodes.first_payload = svo_i_compact_has_places(&s->compact->info) ? s->nodes.first_inner : NULL;
+    memcpy(s->nodes.level_begin, info->level_begin, sizeof s->nodes.level_begin);
+    return SVO_OK;
+}
+
+static svo_status share_host(sharing *s, const svo_tree *tree)
+{
+    svo_compact *compact = s->compact;
+    svo_i_compact_count(&compact->info);
+    SVO_I_TRY(take_nodes(s, tree));
+    SVO_I_TRY(svo_i_dag_encode(s->work->function, &s->nodes, &s->work->device->memory, false, &s->dag, NULL,
+                               svo_i_device_message(s->work->device)));
+    SVO_I_TRY(put_records(s));
+    for (int i = SVO_I_PAYLOAD_FIRST; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
+        const svo_compact_buffer buffer = (svo_compact_buffer)i;
+        const uint64_t bytes = compact->info.bytes[buffer];
+        if (bytes > 0) {
+            SVO_I_TRY(svo_i_work_result(s->work, svo_name(SVO_NAME_COMPACT_BUFFER, buffer), bytes,
+                                        &compact->buffers[buffer]));
+            SVO_I_TRY(svo_i_work_write(s->work, compact->buffers[buffer], tree->host[svo_i_compact_tree_buffer(buffer)],
+                                       bytes));
+        }
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_form_share(svo_i_device_work *work, const svo_tree *tree, svo_compact *compact)
+{
+    sharing s = {.work = work, .compact = compact};
+    const svo_status status = share_host(&s, tree);
+    free_sharing(&s);
     return status;
 }
 

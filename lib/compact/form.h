@@ -25,5 +25,8 @@ void svo_i_form_count(svo_compact_info *info);
 
 /* Makes the nodes, links, bases and payload of the form in the source's info. compact->info: that of the source. */
 svo_status svo_i_form_make(svo_i_device_work *work, const svo_i_compact_source *source, svo_compact *compact);
+/* The same in SVO_FORM_SHARED, of a tree's host arrays, where payload lies depth-first: a node's before those of its
+   children's subtrees, one after the other. That is the order of this form. compact->info: of the tree. */
+svo_status svo_i_form_share(svo_i_device_work *work, const svo_tree *tree, svo_compact *compact);
 
 #endif

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Payload arrays to packed ones, in units of 256 elements. Of each unit the eighths, quarters and halves that make
- * blocks are found from the smallest ones up: two neighbors become one block where that takes no more bits. Each block
- * has the mode of the fewest bits among those that keep within the error. Integers alone decide, so the words are the
- * same on every machine.
+ * blocks are found from the smallest ones up: two neighbors become one block where that costs no more. Each block has
+ * the mode of the least cost among those that keep within the error. The cost is the bits and, where elements may
+ * change, what they differ by, with a Lagrangian multiplier (Sullivan and Wiegand, "Rate-Distortion Optimization for
+ * Video Compression", 1998). Integers alone decide, so the words are the same on every machine.
  */
 #include "compact/packing.h"
 
@@ -19,12 +20,17 @@
 /* Words of a unit's blocks at most: one block of raw elements of 48 bits has fewer. */
 #define UNIT_WORDS_MAX (LEAST_BLOCKS + (1u << SVO_PACKED_OFFSET_BITS) / 32u + 2u)
 #define NO_FIT         UINT32_MAX
+/* What a difference of one step costs, in bits. Levels of step s have a mean error near s / 4 and take log2(range / s)
+   bits, so that there a difference of s is worth 4 / ln 2 = 5.8 bits. Somewhat more, with a larger step, takes fewer
+   bits at the same mean error. */
+#define STEP_BITS 8u
 
 typedef uint16_t element[CHANNELS];
 
 /* How a block is coded. */
 typedef struct coding {
     uint32_t bits; /* of the data; NO_FIT: not yet coded */
+    uint64_t cost; /* in units of cost_of_bit */
     uint32_t mode, what; /* of the header */
     uint32_t levels[CHANNELS]; /* of radix, green and delta */
     element first, second; /* least; of a line the ends */
@@ -86,9 +92,40 @@ static uint32_t count_levels(const packer *p, uint32_t channel, uint32_t low, ui
     return levels;
 }
 
-static void keep_better(packer *p, coding *best)
+/* ---- costs ---- */
+
+static uint32_t cost_of_bit(const packer *p)
 {
-    if (p->tried.bits < best->bits) {
+    return step_of(p, 0);
+}
+
+/* What a channel of an element becomes. */
+static uint32_t decoded(const packer *p, const coding *made, const element *values, uint32_t i, uint32_t channel)
+{
+    const uint32_t step = step_of(p, channel);
+    const uint32_t value = values[i][channel];
+    switch (made->mode) {
+    case SVO_PACKED_GREEN:
+        return value;
+    case SVO_PACKED_PALETTE:
+        return made->palette[made->index[i]][channel];
+    case SVO_PACKED_LINE:
+        return svo_packed_mix(made->first[channel], made->second[channel], made->index[i], (1u << made->what) - 1);
+    default:
+        return made->first[channel] + (value + p->error[channel] - made->first[channel]) / step * step;
+    }
+}
+
+static void keep_better(packer *p, const element *values, uint32_t count, coding *best)
+{
+    uint64_t differences = 0;
+    for (uint32_t i = 0; i < count && is_lossy(p); ++i) {
+        for (uint32_t c = 0; c < p->channels; ++c) {
+            differences += distance(decoded(p, &p->tried, values, i, c), values[i][c]);
+        }
+    }
+    p->tried.cost = (uint64_t)p->tried.bits * cost_of_bit(p) + STEP_BITS * differences;
+    if (p->tried.cost < best->cost) {
         *best = p->tried;
     }
 }
@@ -182,14 +219,14 @@ typedef struct box {
     element low, high;
 } box;
 
-/* Takes a value into a box unless that would get wider than a color in its middle may stand for. */
-static bool widen(const packer *p, const uint16_t *value, box *of)
+/* Takes a value into a box unless that would get wider than so many errors; a color in its middle may stand for two. */
+static bool widen(const packer *p, const uint16_t *value, uint32_t errors, box *of)
 {
     box wider = *of;
     for (uint32_t c = 0; c < p->channels; ++c) {
         wider.low[c] = value[c] < wider.low[c] ? value[c] : wider.low[c];
         wider.high[c] = value[c] > wider.high[c] ? value[c] : wider.high[c];
-        if ((uint32_t)(wider.high[c] - wider.low[c]) > 2 * p->error[c]) {
+        if ((uint32_t)(wider.high[c] - wider.low[c]) > errors * p->error[c]) {
             return false;
         }
     }
@@ -246,16 +283,16 @@ static void center_colors(const packer *p, const element *values, uint32_t count
     }
 }
 
-/* Each value goes to the first box that takes it. bits_max: what is already reached. */
-static bool fit_palette(packer *p, const element *values, uint32_t count, uint32_t bits_max)
+/* Each value goes to the first box that takes it. errors: the width of boxes. bits_max: so many are no better. */
+static bool fit_palette(packer *p, const element *values, uint32_t count, uint32_t errors, uint32_t bits_max)
 {
     coding *made = &p->tried;
     box boxes[SVO_PACKED_COLORS_MAX];
     const uint32_t color_bits = p->channels * p->channel_bits;
     uint32_t colors = 0;
     for (uint32_t i = 0; i < count; ++i) {
-        uint32_t at = i > 0 && widen(p, values[i], &boxes[made->index[i - 1]]) ? made->index[i - 1] : 0;
-        while (at < colors && !widen(p, values[i], &boxes[at])) {
+        uint32_t at = i > 0 && widen(p, values[i], errors, &boxes[made->index[i - 1]]) ? made->index[i - 1] : 0;
+        while (at < colors && !widen(p, values[i], errors, &boxes[at])) {
             ++at;
         }
         if (at == colors) {
@@ -373,6 +410,58 @@ static bool fit_weights(packer *p, const element *values, uint32_t count, uint32
     return true;
 }
 
+/* Moves the ends to those of least squares for the weights that there are, and finds the weights anew. False: the ends
+   cannot move, or then a value is too far off. */
+static bool refine_line(packer *p, const element *values, uint32_t count, uint32_t main, uint32_t width)
+{
+    coding *made = &p->tried;
+    const int64_t most = (1 << width) - 1;
+    int64_t squares[3] = {0, 0, 0}; /* of the share of the first end, of both, of the second */
+    for (uint32_t i = 0; i < count; ++i) {
+        const int64_t weight = made->index[i];
+        squares[0] += (most - weight) * (most - weight);
+        squares[1] += (most - weight) * weight;
+        squares[2] += weight * weight;
+    }
+    const int64_t determinant = squares[0] * squares[2] - squares[1] * squares[1]; /* below 2^36 */
+    for (uint32_t c = 0; c < p->channels && determinant > 0; ++c) {
+        int64_t products[2] = {0, 0};
+        for (uint32_t i = 0; i < count; ++i) {
+            products[0] += (most - made->index[i]) * values[i][c];
+            products[1] += (int64_t)made->index[i] * values[i][c];
+        }
+        const int64_t first = most * (products[0] * squares[2] - products[1] * squares[1]) + determinant / 2;
+        const int64_t second = most * (products[1] * squares[0] - products[0] * squares[1]) + determinant / 2;
+        const int64_t limit = (int64_t)p->most * determinant;
+        made->first[c] = (uint16_t)((first < 0 ? 0 : first > limit ? limit : first) / determinant);
+        made->second[c] = (uint16_t)((second < 0 ? 0 : second > limit ? limit : second) / determinant);
+    }
+    return determinant > 0 && fit_weights(p, values, count, main, width);
+}
+
+/* More bits a weight as long as they are worth it. p->tried has the ends. */
+static void fit_line(packer *p, const element *values, uint32_t count, uint32_t main, coding *best)
+{
+    const coding ends = p->tried;
+    uint64_t before = UINT64_MAX;
+    for (uint32_t width = 1; width <= SVO_PACKED_WEIGHT_MAX; ++width) {
+        p->tried = ends;
+        if (!fit_weights(p, values, count, main, width)) {
+            continue;
+        }
+        keep_better(p, values, count, best);
+        uint64_t cost = p->tried.cost;
+        if (refine_line(p, values, count, main, width)) {
+            keep_better(p, values, count, best);
+            cost = p->tried.cost < cost ? p->tried.cost : cost;
+        }
+        if (cost > before) {
+            return;
+        }
+        before = cost;
+    }
+}
+
 /* ---- blocks ---- */
 
 /* The best coding of some values. */
@@ -381,24 +470,21 @@ static void fit_block(packer *p, const element *values, uint32_t count, coding *
     element low;
     element high;
     uint32_t main = 0;
-    best->bits = NO_FIT;
+    best->cost = UINT64_MAX;
     find_range(p, values, count, low, high);
     fit_levels(p, low, high, count);
-    keep_better(p, best);
+    keep_better(p, values, count, best);
     if (p->channel_bits == 8 && p->what->buffer == SVO_COMPACT_COLORS && fit_green(p, values, count)) {
-        keep_better(p, best);
+        keep_better(p, values, count, best);
     }
-    if (fit_palette(p, values, count, best->bits)) {
-        keep_better(p, best);
+    for (uint32_t errors = is_lossy(p) ? 1 : 2; errors <= 2; ++errors) {
+        if (fit_palette(p, values, count, errors, (uint32_t)(best->cost / cost_of_bit(p)) + 1)) {
+            keep_better(p, values, count, best);
+        }
     }
     if (is_lossy(p) && best->bits > 2 * p->channels * p->channel_bits + count &&
         fit_ends(p, values, count, low, high, &main)) {
-        for (uint32_t width = 1; width <= SVO_PACKED_WEIGHT_MAX; ++width) {
-            if (fit_weights(p, values, count, main, width)) {
-                keep_better(p, best);
-                break;
-            }
-        }
+        fit_line(p, values, count, main, best);
     }
 }
 
@@ -412,9 +498,9 @@ static uint32_t row_of(uint32_t block_log2)
     return row;
 }
 
-/* Codes all blocks; what two smaller ones code in fewer bits is left to them. best: receives the bits of each, of it or
+/* Codes all blocks; what two smaller ones code at less cost is left to them. best: receives the cost of each, of it or
    of those inside. */
-static void fit_unit(packer *p, uint32_t best[BLOCKS])
+static void fit_unit(packer *p, uint64_t best[BLOCKS])
 {
     for (uint32_t log2 = SVO_PACKED_LEAST_LOG2; log2 <= SVO_PACKED_UNIT_LOG2; ++log2) {
         const uint32_t row = row_of(log2);
@@ -428,10 +514,10 @@ static void fit_unit(packer *p, uint32_t best[BLOCKS])
                 continue;
             }
             fit_block(p, (const element *)p->unit + begin, left < 1u << log2 ? left : 1u << log2, own);
-            best[row + i] = own->bits + HEADER_BITS;
+            best[row + i] = own->cost + (uint64_t)HEADER_BITS * cost_of_bit(p);
             if (log2 > SVO_PACKED_LEAST_LOG2) {
                 const uint32_t below = row_of(log2 - 1) + 2 * i;
-                const uint32_t halves = best[below] + best[below + 1];
+                const uint64_t halves = best[below] + best[below + 1];
                 if (halves < best[row + i]) {
                     best[row + i] = halves;
                     own->bits = NO_FIT;
@@ -558,7 +644,7 @@ static svo_status put_unit(packer *p, uint32_t unit_index)
 {
     const coding *list[LEAST_BLOCKS];
     uint32_t begins[LEAST_BLOCKS + 1];
-    uint32_t best[BLOCKS];
+    uint64_t best[BLOCKS];
     uint32_t bit = 0;
     fit_unit(p, best);
     SVO_I_TRY(reserve_words(p, UNIT_WORDS_MAX));

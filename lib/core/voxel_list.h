@@ -18,6 +18,7 @@ struct svo_voxels {
     char *texts; /* of all properties; owned */
     svo_axes axes; /* of files that it is written to */
     uint64_t *counts; /* of points, for each voxel; owned. NULL: it is not of points */
+    int16_t *normals; /* x, y, z of each voxel; owned. NULL: they have none */
 };
 
 /* By what voxels are sorted. */

@@ -55,8 +55,8 @@ static bool is_uniform(const svo_i_edit_store *store, svo_i_edit_ref ref)
     return ref != SVO_I_EDIT_EMPTY && ref != SVO_I_EDIT_SHAPE && svo_i_edit_kind_of(store, ref) == SVO_I_EDIT_UNIFORM;
 }
 
-/* Gives the voxels of places, which both have, the payload of b. Returns whether that changes one. */
-static bool take_payload(svo_i_edit_cells *a, const svo_i_edit_cells *b, uint64_t places)
+/* Gives the voxels of places, which both have, color and material of b. Returns whether that changes one. */
+static bool take_paint(svo_i_edit_cells *a, const svo_i_edit_cells *b, uint64_t places)
 {
     bool changes = false;
     for (uint64_t left = places; left != 0; left &= left - 1) {
@@ -68,16 +68,30 @@ static bool take_payload(svo_i_edit_cells *a, const svo_i_edit_cells *b, uint64_
     return changes;
 }
 
-/* Puts the result in a. Returns whether it differs from a. */
-static bool combine_cells(svo_edit_verb verb, svo_i_edit_cells *a, const svo_i_edit_cells *b)
+/* The same with its normal. */
+static bool take_payload(svo_i_edit_cells *a, const svo_i_edit_cells *b, uint64_t places)
 {
+    bool changes = take_paint(a, b, places);
+    for (uint64_t left = places; left != 0; left &= left - 1) {
+        const uint32_t cell = svo_i_edit_lowest(left);
+        changes = changes || a->normal[cell] != b->normal[cell];
+        a->normal[cell] = b->normal[cell];
+    }
+    return changes;
+}
+
+/* Puts the result in a. Returns whether it differs from a. */
+static bool combine_cells(const svo_i_edit_run *run, svo_i_edit_cells *a, const svo_i_edit_cells *b)
+{
+    bool (*const take)(svo_i_edit_cells *, const svo_i_edit_cells *, uint64_t) =
+        run->store->has_normals ? take_payload : take_paint;
     const uint64_t before = a->mask;
-    switch (verb) {
+    switch (run->verb) {
     case SVO_EDIT_SET:
     case SVO_EDIT_ADD:
         a->mask |= b->mask;
-        (void)take_payload(a, b, b->mask & ~before);
-        return (verb == SVO_EDIT_SET && take_payload(a, b, b->mask & before)) || a->mask != before;
+        (void)take(a, b, b->mask & ~before);
+        return (run->verb == SVO_EDIT_SET && take(a, b, b->mask & before)) || a->mask != before;
     case SVO_EDIT_CLEAR:
         a->mask &= ~b->mask;
         return a->mask != before;
@@ -85,8 +99,14 @@ static bool combine_cells(svo_edit_verb verb, svo_i_edit_cells *a, const svo_i_e
         a->mask &= b->mask;
         return a->mask != before;
     default:
-        return take_payload(a, b, a->mask & b->mask);
+        return take_paint(a, b, a->mask & b->mask);
     }
+}
+
+/* Whether the shape's voxels at its surface get normals, so that a cube within it is not one of a kind. */
+static bool gives_normals(const svo_i_edit_run *run)
+{
+    return run->store->has_normals && (run->verb == SVO_EDIT_SET || run->verb == SVO_EDIT_ADD);
 }
 
 static bool combine_blocks(svo_i_edit_run *run, svo_i_edit_ref a, svo_i_edit_ref b, const uint32_t cell[3],
@@ -97,11 +117,14 @@ static bool combine_blocks(svo_i_edit_run *run, svo_i_edit_ref a, svo_i_edit_ref
     if (b == SVO_I_EDIT_SHAPE) {
         svo_i_edit_unpack(run->store, run->fill, &right);
         right.mask = svo_i_edit_solid_mask(&run->solid, cell);
+        if (gives_normals(run)) {
+            svo_i_edit_solid_normals(&run->solid, cell, right.mask, right.normal);
+        }
     } else {
         svo_i_edit_unpack(run->store, b, &right);
     }
     svo_i_edit_unpack(run->store, a, &left);
-    if (!combine_cells(run->verb, &left, &right)) {
+    if (!combine_cells(run, &left, &right)) {
         *out = a;
         return true;
     }
@@ -152,14 +175,14 @@ static svo_i_edit_ref decide(const svo_i_edit_run *run, svo_i_edit_ref b, const 
     if (b != SVO_I_EDIT_SHAPE) {
         return b;
     }
-    const svo_i_edit_side side = svo_i_edit_solid_side(&run->solid, cell, level);
+    const svo_i_edit_side side = svo_i_edit_solid_side(&run->solid, cell, level, gives_normals(run) ? 1 : 0);
     return side == SVO_I_EDIT_OUTSIDE ? SVO_I_EDIT_EMPTY : side == SVO_I_EDIT_INSIDE ? run->fill : SVO_I_EDIT_SHAPE;
 }
 
 /* Where the surface of a shape changes nothing. */
 static bool is_beside(const svo_i_edit_run *run, svo_i_edit_ref a)
 {
-    return run->verb == SVO_EDIT_SET   ? a == run->fill
+    return run->verb == SVO_EDIT_SET   ? a == run->fill && !run->store->has_normals
            : run->verb == SVO_EDIT_ADD ? is_uniform(run->store, a)
                                        : a == SVO_I_EDIT_EMPTY || (run->verb == SVO_EDIT_PAINT && a == run->fill);
 }
@@ -310,6 +333,7 @@ static bool move_block(svo_i_edit_run *run, const svo_i_edit_store *from, const 
             made.mask |= (uint64_t)1 << code;
             made.color[code] = sources[cube].color[source];
             made.material[code] = sources[cube].material[source];
+            made.normal[code] = sources[cube].normal[source];
         }
     }
     return svo_i_edit_pack(run->store, &made, out);

@@ -86,7 +86,9 @@ static svo_status read_voxels(const svo_voxels *voxels, svo_edit *made, svo_mess
     svo_i_edit_store *store = &made->store;
     const uint64_t count = voxels != NULL ? voxels->info.voxel_count : 0;
     made->version_count = 1;
-    if (count > 0 && !svo_i_edit_read_list(store, voxels->voxels, count, made->corner, &made->versions[0])) {
+    store->has_normals = voxels != NULL && voxels->normals != NULL;
+    if (count > 0 &&
+        !svo_i_edit_read_list(store, voxels->voxels, voxels->normals, count, made->corner, &made->versions[0])) {
         return store->failure == SVO_CAPACITY_EXCEEDED
                    ? svo_i_fail(message, SVO_CAPACITY_EXCEEDED, "%s: %" PRIu64 " voxels need more than max_bytes, %s",
                                 create_name, count, svo_i_bytes(store->max_bytes).text)
@@ -209,18 +211,22 @@ svo_status svo_edit_get_voxels(const svo_edit *edit, svo_voxels **out, svo_messa
                           "%s: %" PRIu64 " voxels need %s, above the %s that are there", get_name, count,
                           svo_i_bytes(count * sizeof(svo_voxel)).text, svo_i_bytes(svo_i_host_memory_bytes()).text);
     }
+    const bool has_normals = edit->store.has_normals;
     svo_voxel *voxels = svo_i_alloc(&frame->memory, (size_t)(count + 1) * sizeof *voxels);
-    if (voxels == NULL) {
+    int16_t *normals = has_normals ? svo_i_alloc(&frame->memory, (size_t)(count + 1) * 3 * sizeof *normals) : NULL;
+    if (voxels == NULL || (normals == NULL && has_normals)) {
+        svo_i_free(voxels);
+        svo_i_free(normals);
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %" PRIu64 " voxels", get_name, count);
     }
-    svo_i_edit_write_list(&edit->store, root_of(edit), edit->corner, voxels);
+    svo_i_edit_write_list(&edit->store, root_of(edit), edit->corner, voxels, normals);
     svo_voxels_source source = {.struct_size = sizeof source,
                                 .voxel_count = count,
                                 .properties = frame->properties,
                                 .property_count = (size_t)frame->info.property_count,
                                 .voxel_edge = frame->info.voxel_edge};
     memcpy(source.origin, frame->info.origin, sizeof source.origin);
-    const svo_status status = svo_i_voxels_take(&frame->memory, &source, voxels, out, message);
+    const svo_status status = svo_i_voxels_take(&frame->memory, &source, voxels, normals, out, message);
     if (status != SVO_OK) {
         svo_i_message_rename(message, get_name);
         return status;

@@ -12,6 +12,7 @@
 typedef struct reading {
     svo_i_edit_store *store;
     const svo_voxel *voxels;
+    const int16_t *normals; /* NULL: none */
     const int64_t *corner;
 } reading;
 
@@ -47,6 +48,7 @@ static bool read_block(const reading *r, uint64_t begin, uint64_t end, svo_i_edi
         cells.mask |= (uint64_t)1 << cell;
         memcpy(&cells.color[cell], r->voxels[i].rgba, sizeof cells.color[cell]);
         cells.material[cell] = r->voxels[i].material;
+        cells.normal[cell] = r->normals != NULL ? svo_i_edit_pack_normal(r->normals + 3 * i) : 0;
     }
     return svo_i_edit_pack(r->store, &cells, out);
 }
@@ -72,10 +74,10 @@ static bool read_node(const reading *r, uint64_t begin, uint64_t end, uint32_t l
     return svo_i_edit_join(r->store, children, level, out);
 }
 
-bool svo_i_edit_read_list(svo_i_edit_store *store, const svo_voxel *voxels, uint64_t voxel_count,
-                          const int64_t corner[3], svo_i_edit_ref *out)
+bool svo_i_edit_read_list(svo_i_edit_store *store, const svo_voxel *voxels, const int16_t *normals,
+                          uint64_t voxel_count, const int64_t corner[3], svo_i_edit_ref *out)
 {
-    const reading r = {.store = store, .voxels = voxels, .corner = corner};
+    const reading r = {.store = store, .voxels = voxels, .normals = normals, .corner = corner};
     return read_node(&r, 0, voxel_count, SVO_I_EDIT_ROOT_LEVEL, out);
 }
 
@@ -85,6 +87,7 @@ typedef struct writing {
     const svo_i_edit_store *store;
     const int64_t *corner;
     svo_voxel *next;
+    int16_t *next_normal; /* NULL: normals are not asked for */
 } writing;
 
 static void write_block(writing *w, svo_i_edit_ref ref, const uint32_t cell[3])
@@ -101,6 +104,10 @@ static void write_block(writing *w, svo_i_edit_ref ref, const uint32_t cell[3])
                                .material = cells.material[code]};
         memcpy(w->next->rgba, &cells.color[code], sizeof w->next->rgba);
         ++w->next;
+        if (w->next_normal != NULL) {
+            svo_i_edit_unpack_normal(cells.normal[code], w->next_normal);
+            w->next_normal += 3;
+        }
     }
 }
 
@@ -123,10 +130,11 @@ static void write_node(writing *w, svo_i_edit_ref ref, uint32_t level, const uin
 }
 
 void svo_i_edit_write_list(const svo_i_edit_store *store, svo_i_edit_ref root, const int64_t corner[3],
-                           svo_voxel *voxels)
+                           svo_voxel *voxels, int16_t *normals)
 {
     const uint32_t cell[3] = {0, 0, 0};
     writing w = {.store = store, .corner = corner, .next = voxels};
+    w.next_normal = normals;
     if (root != SVO_I_EDIT_EMPTY) {
         write_node(&w, root, SVO_I_EDIT_ROOT_LEVEL, cell);
     }

@@ -8,8 +8,11 @@
 
 #include <math.h>
 
+#include "edit/store.h"
+
 #define UNIT_LOG2   8
 #define VOXEL_UNITS (1 << UNIT_LOG2)
+#define NORMAL_ONE  32767.0
 
 /* ---- reading ---- */
 
@@ -162,11 +165,9 @@ static svo_i_edit_side side_of_capsule(const svo_i_edit_solid *solid, const int6
     return SVO_I_EDIT_INSIDE;
 }
 
-svo_i_edit_side svo_i_edit_solid_side(const svo_i_edit_solid *solid, const uint32_t cell[3], uint32_t level)
+/* low, high: the centers of a cube's least and greatest voxel. */
+static svo_i_edit_side side_of(const svo_i_edit_solid *solid, const int64_t low[3], const int64_t high[3])
 {
-    int64_t low[3];
-    int64_t high[3];
-    centers_of(cell, level, low, high);
     for (int axis = 0; axis < 3; ++axis) {
         if (high[axis] < solid->low[axis] || low[axis] > solid->high[axis]) {
             return SVO_I_EDIT_OUTSIDE;
@@ -180,6 +181,23 @@ svo_i_edit_side svo_i_edit_solid_side(const svo_i_edit_solid *solid, const uint3
     default:
         return side_of_capsule(solid, low, high);
     }
+}
+
+svo_i_edit_side svo_i_edit_solid_side(const svo_i_edit_solid *solid, const uint32_t cell[3], uint32_t level,
+                                      uint32_t margin)
+{
+    int64_t low[3];
+    int64_t high[3];
+    centers_of(cell, level, low, high);
+    const svo_i_edit_side side = side_of(solid, low, high);
+    if (side != SVO_I_EDIT_INSIDE || margin == 0) {
+        return side;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        low[axis] -= (int64_t)margin * VOXEL_UNITS;
+        high[axis] += (int64_t)margin * VOXEL_UNITS;
+    }
+    return side_of(solid, low, high) == SVO_I_EDIT_INSIDE ? SVO_I_EDIT_INSIDE : SVO_I_EDIT_CROSSING;
 }
 
 /* Where a voxel's coordinates along an axis are in a Morton code. */
@@ -207,6 +225,15 @@ static uint64_t mask_of_sphere(const svo_i_edit_solid *solid, const int64_t low[
     return mask;
 }
 
+static bool is_inside(const svo_i_edit_solid *solid, const int64_t point[3])
+{
+    bool in_box = true;
+    for (int axis = 0; axis < 3 && solid->kind == SVO_EDIT_BOX; ++axis) {
+        in_box = in_box && point[axis] >= solid->begin[axis] && point[axis] < solid->end[axis];
+    }
+    return solid->kind == SVO_EDIT_BOX ? in_box : is_near(solid, point, solid->radius);
+}
+
 uint64_t svo_i_edit_solid_mask(const svo_i_edit_solid *solid, const uint32_t cell[3])
 {
     int64_t low[3];
@@ -218,14 +245,94 @@ uint64_t svo_i_edit_solid_mask(const svo_i_edit_solid *solid, const uint32_t cel
     }
     for (uint32_t i = 0; i < 64; ++i) {
         const uint32_t inner[3] = {i & 3u, i >> 2 & 3u, i >> 4};
-        int64_t point[3];
-        bool in_box = true;
-        for (int axis = 0; axis < 3; ++axis) {
-            point[axis] = low[axis] + (int64_t)inner[axis] * VOXEL_UNITS;
-            in_box = in_box && point[axis] >= solid->begin[axis] && point[axis] < solid->end[axis];
-        }
-        const bool inside = solid->kind == SVO_EDIT_BOX ? in_box : is_near(solid, point, solid->radius);
-        mask |= (uint64_t)(inside ? 1u : 0u) << code_of(inner[0], inner[1], inner[2]);
+        const int64_t point[3] = {low[0] + (int64_t)inner[0] * VOXEL_UNITS, low[1] + (int64_t)inner[1] * VOXEL_UNITS,
+                                  low[2] + (int64_t)inner[2] * VOXEL_UNITS};
+        mask |= (uint64_t)(is_inside(solid, point) ? 1u : 0u) << code_of(inner[0], inner[1], inner[2]);
     }
     return mask;
+}
+
+/*
+ * ---- normals ----
+ *
+ * A voxel at the surface of a sphere or a capsule has the direction from the center or from the nearest point of the
+ * line to its own center. One of a box has the sum of the normals of the faces that it is at. Lengths are square roots
+ * of whole numbers, so that every host has the same.
+ */
+
+/* The point's direction from the nearest point of the line between the ends. */
+static void direction_of(const svo_i_edit_solid *solid, const int64_t point[3], int64_t out[3])
+{
+    int64_t along[3];
+    int64_t from[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        along[axis] = solid->end[axis] - solid->begin[axis];
+        from[axis] = point[axis] - solid->begin[axis];
+    }
+    const int64_t place = dot(from, along);
+    const int64_t length = dot(along, along);
+    const double share = place <= 0 ? 0.0 : place >= length ? 1.0 : (double)place / (double)length;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double nearest = share * (double)along[axis];
+        out[axis] = from[axis] - (int64_t)rint(nearest);
+    }
+}
+
+static void face_directions(const svo_i_edit_solid *solid, const int64_t point[3], int64_t out[3])
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        const bool is_lowest = point[axis] - VOXEL_UNITS < solid->begin[axis];
+        const bool is_highest = point[axis] + VOXEL_UNITS >= solid->end[axis];
+        out[axis] = (is_highest ? 1 : 0) - (is_lowest ? 1 : 0);
+    }
+}
+
+/* Whether a neighbor of a point inside is outside. */
+static bool is_at_surface(const svo_i_edit_solid *solid, const int64_t point[3])
+{
+    if (solid->kind != SVO_EDIT_BOX && solid->radius >= VOXEL_UNITS &&
+        is_near(solid, point, solid->radius - VOXEL_UNITS)) {
+        return false;
+    }
+    for (int side = 0; side < 6; ++side) {
+        int64_t neighbor[3] = {point[0], point[1], point[2]};
+        neighbor[side / 2] += side % 2 == 0 ? -VOXEL_UNITS : VOXEL_UNITS;
+        if (!is_inside(solid, neighbor)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static uint64_t normal_at(const svo_i_edit_solid *solid, const int64_t point[3])
+{
+    int64_t direction[3];
+    int16_t normal[3] = {0, 0, 0};
+    if (solid->kind == SVO_EDIT_BOX) {
+        face_directions(solid, point, direction);
+    } else {
+        direction_of(solid, point, direction);
+    }
+    const double length = sqrt((double)dot(direction, direction));
+    for (int axis = 0; axis < 3 && length > 0.0; ++axis) {
+        normal[axis] = (int16_t)rint((double)direction[axis] / length * NORMAL_ONE);
+    }
+    return svo_i_edit_pack_normal(normal);
+}
+
+void svo_i_edit_solid_normals(const svo_i_edit_solid *solid, const uint32_t cell[3], uint64_t mask,
+                              uint64_t normals[64])
+{
+    int64_t low[3];
+    int64_t high[3];
+    centers_of(cell, 0, low, high);
+    for (uint32_t i = 0; i < 64; ++i) {
+        const uint32_t code = code_of(i & 3u, i >> 2 & 3u, i >> 4);
+        const int64_t point[3] = {low[0] + (int64_t)(i & 3u) * VOXEL_UNITS,
+                                  low[1] + (int64_t)(i >> 2 & 3u) * VOXEL_UNITS,
+                                  low[2] + (int64_t)(i >> 4) * VOXEL_UNITS};
+        if ((mask >> code & 1u) != 0) {
+            normals[code] = is_at_surface(solid, point) ? normal_at(solid, point) : 0;
+        }
+    }
 }

@@ -29,10 +29,17 @@ typedef enum svo_i_edit_side {
 svo_status svo_i_edit_solid_read(const char *function, const svo_edit_step *step, const svo_edit_info *info,
                                  const int64_t corner[3], svo_i_edit_solid *out, svo_message *message);
 
-/* cell: the least voxel of a cube of 2^level, from the corner on. */
-svo_i_edit_side svo_i_edit_solid_side(const svo_i_edit_solid *solid, const uint32_t cell[3], uint32_t level);
+/* cell: the least voxel of a cube of 2^level, from the corner on. margin: INSIDE are cubes around which so many more
+   voxels are. */
+svo_i_edit_side svo_i_edit_solid_side(const svo_i_edit_solid *solid, const uint32_t cell[3], uint32_t level,
+                                      uint32_t margin);
 
 /* The voxels of a cube of four that are inside, as bits by Morton code. */
 uint64_t svo_i_edit_solid_mask(const svo_i_edit_solid *solid, const uint32_t cell[3]);
+
+/* The normals of those voxels, at their Morton codes: of the shape's surface where a neighbor behind one of the faces
+   is outside, else 0. mask: of the above. */
+void svo_i_edit_solid_normals(const svo_i_edit_solid *solid, const uint32_t cell[3], uint64_t mask,
+                              uint64_t normals[64]);
 
 #endif

@@ -164,7 +164,8 @@ static uint64_t mask_of(const svo_i_edit_node *block)
 static uint32_t block_units(uint32_t kind, uint64_t mask)
 {
     const uint32_t bytes = svo_i_edit_count(mask) * (((kind & SVO_I_EDIT_COLORS) != 0 ? 4u : 0u) +
-                                                     ((kind & SVO_I_EDIT_MATERIALS) != 0 ? 2u : 0u));
+                                                     ((kind & SVO_I_EDIT_MATERIALS) != 0 ? 2u : 0u) +
+                                                     ((kind & SVO_I_EDIT_NORMALS) != 0 ? 6u : 0u));
     return 2u + (bytes + UNIT_BYTES - 1u) / UNIT_BYTES;
 }
 
@@ -191,7 +192,7 @@ svo_i_edit_payload svo_i_edit_payload_of(const svo_i_edit_store *store, svo_i_ed
 uint32_t svo_i_edit_variety_of(const svo_i_edit_store *store, svo_i_edit_ref ref)
 {
     const svo_i_edit_node *node = at(store, ref);
-    return node->kind & (uint32_t)(SVO_I_EDIT_COLORS | SVO_I_EDIT_MATERIALS);
+    return node->kind & (uint32_t)(SVO_I_EDIT_COLORS | SVO_I_EDIT_MATERIALS | SVO_I_EDIT_NORMALS);
 }
 
 uint64_t svo_i_edit_mask_of(const svo_i_edit_store *store, svo_i_edit_ref ref)
@@ -306,24 +307,29 @@ void svo_i_edit_unpack(const svo_i_edit_store *store, svo_i_edit_ref ref, svo_i_
     const bool has_colors = (node->kind & SVO_I_EDIT_COLORS) != 0;
     const bool has_materials = (node->kind & SVO_I_EDIT_MATERIALS) != 0;
     cells->mask = is_block ? mask_of(node) : UINT64_MAX;
-    const uint16_t *materials =
-        (const uint16_t *)(const void *)(colors + (has_colors ? svo_i_edit_count(cells->mask) : 0));
+    const bool has_normals = (node->kind & SVO_I_EDIT_NORMALS) != 0;
+    const uint32_t count = svo_i_edit_count(cells->mask);
+    const uint16_t *materials = (const uint16_t *)(const void *)(colors + (has_colors ? count : 0));
+    const int16_t *normals = (const int16_t *)(const void *)(materials + (has_materials ? count : 0));
     for (uint64_t left = cells->mask; left != 0; left &= left - 1) {
         const uint32_t cell = svo_i_edit_lowest(left);
         cells->color[cell] = has_colors ? *colors++ : node->color;
         cells->material[cell] = has_materials ? *materials++ : node->material;
+        cells->normal[cell] = has_normals ? svo_i_edit_pack_normal(normals) : 0;
+        normals += has_normals ? 3 : 0;
     }
 }
 
-/* The payload bits of a block: what its voxels do not have in common. */
-static uint32_t variety_of(const svo_i_edit_cells *cells)
+/* The payload bits of a block: what its voxels have of their own. */
+static uint32_t variety_of(const svo_i_edit_store *store, const svo_i_edit_cells *cells)
 {
     const uint32_t first = svo_i_edit_lowest(cells->mask);
-    uint32_t kind = 0;
+    uint32_t kind = store->has_normals && cells->normal[first] != 0 ? (uint32_t)SVO_I_EDIT_NORMALS : 0u;
     for (uint64_t left = cells->mask & (cells->mask - 1); left != 0; left &= left - 1) {
         const uint32_t cell = svo_i_edit_lowest(left);
         kind |= cells->color[cell] != cells->color[first] ? (uint32_t)SVO_I_EDIT_COLORS : 0u;
         kind |= cells->material[cell] != cells->material[first] ? (uint32_t)SVO_I_EDIT_MATERIALS : 0u;
+        kind |= store->has_normals && cells->normal[cell] != 0 ? (uint32_t)SVO_I_EDIT_NORMALS : 0u;
     }
     return kind;
 }
@@ -333,14 +339,21 @@ static void write_payload(const svo_i_edit_cells *cells, svo_i_edit_node *node)
     uint32_t *colors = (uint32_t *)(void *)(node + 2);
     const bool has_colors = (node->kind & SVO_I_EDIT_COLORS) != 0;
     const bool has_materials = (node->kind & SVO_I_EDIT_MATERIALS) != 0;
-    uint16_t *materials = (uint16_t *)(void *)(colors + (has_colors ? svo_i_edit_count(cells->mask) : 0));
-    for (uint64_t left = cells->mask; left != 0 && (has_colors || has_materials); left &= left - 1) {
+    const bool has_normals = (node->kind & SVO_I_EDIT_NORMALS) != 0;
+    const uint32_t count = svo_i_edit_count(cells->mask);
+    uint16_t *materials = (uint16_t *)(void *)(colors + (has_colors ? count : 0));
+    int16_t *normals = (int16_t *)(void *)(materials + (has_materials ? count : 0));
+    for (uint64_t left = cells->mask; left != 0 && (has_colors || has_materials || has_normals); left &= left - 1) {
         const uint32_t cell = svo_i_edit_lowest(left);
         if (has_colors) {
             *colors++ = cells->color[cell];
         }
         if (has_materials) {
             *materials++ = cells->material[cell];
+        }
+        if (has_normals) {
+            svo_i_edit_unpack_normal(cells->normal[cell], normals);
+            normals += 3;
         }
     }
 }
@@ -362,7 +375,7 @@ bool svo_i_edit_pack(svo_i_edit_store *store, const svo_i_edit_cells *cells, svo
     }
     const uint32_t first = svo_i_edit_lowest(cells->mask);
     const svo_i_edit_payload payload = {.color = cells->color[first], .material = cells->material[first]};
-    const uint32_t kind = (uint32_t)SVO_I_EDIT_BLOCK | variety_of(cells);
+    const uint32_t kind = (uint32_t)SVO_I_EDIT_BLOCK | variety_of(store, cells);
     if (cells->mask == UINT64_MAX && kind == SVO_I_EDIT_BLOCK) {
         return svo_i_edit_fill(store, payload, out);
     }

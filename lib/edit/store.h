@@ -7,9 +7,10 @@
  * A node is a cube of 2^level voxels along each axis:
  *
  *     empty     SVO_I_EDIT_EMPTY, no node
- *     uniform   full, with one color and material; a node for any level
+ *     uniform   full, with one color and material and no normals; a node for any level
  *     inner     up to eight children of level - 1, and how many voxels they have
- *     block     on level 2: 64 places, and the color and material of each voxel, or one for all
+ *     block     on level 2: 64 places, the color and material of each voxel, or one for all, and the normal of each, or
+ *               none for all
  *
  * Nodes lie in segments, in units of 8 bytes. Children come before their parents. So nodes that are still needed can be
  * moved down in one pass in the order of their places, without a second copy of anything (Lisp 2's compaction, with the
@@ -53,10 +54,11 @@ typedef enum svo_i_edit_kind {
     SVO_I_EDIT_INNER = 2,
     SVO_I_EDIT_BLOCK = 4, /* and, as bits: */
     SVO_I_EDIT_COLORS = 8, /* each voxel has a color of its own */
-    SVO_I_EDIT_MATERIALS = 16 /* each voxel has a material of its own */
+    SVO_I_EDIT_MATERIALS = 16, /* each voxel has a material of its own */
+    SVO_I_EDIT_NORMALS = 32 /* each voxel has a normal of its own */
 } svo_i_edit_kind;
 
-/* What a voxel has. */
+/* What a voxel has, but for its normal. */
 typedef struct svo_i_edit_payload {
     uint32_t color; /* the bytes of RGBA8 */
     uint16_t material;
@@ -82,13 +84,27 @@ typedef struct svo_i_edit_cells {
     uint64_t mask; /* bit i: there is a voxel at Morton code i */
     uint32_t color[SVO_I_EDIT_CELLS];
     uint16_t material[SVO_I_EDIT_CELLS];
+    uint64_t normal[SVO_I_EDIT_CELLS]; /* x, y, z in 16 bits each, from the lowest on; 0: none */
 } svo_i_edit_cells;
+
+static inline uint64_t svo_i_edit_pack_normal(const int16_t normal[3])
+{
+    return (uint64_t)(uint16_t)normal[0] | (uint64_t)(uint16_t)normal[1] << 16 | (uint64_t)(uint16_t)normal[2] << 32;
+}
+
+static inline void svo_i_edit_unpack_normal(uint64_t packed, int16_t normal[3])
+{
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+        normal[axis] = (int16_t)(packed >> 16u * axis & 0xffffu);
+    }
+}
 
 struct svo_i_edit_segment;
 
-/* All zero but memory and max_bytes: no nodes. */
+/* All zero but memory, max_bytes and has_normals: no nodes. */
 typedef struct svo_i_edit_store {
     svo_i_memory memory;
+    bool has_normals; /* false: those of cells are dropped */
     uint64_t max_bytes; /* of all segments */
     struct svo_i_edit_segment **segments; /* owned, as they themselves are */
     uint32_t segment_count;
@@ -116,6 +132,7 @@ const void *svo_i_edit_store_units(const svo_i_edit_store *store, uint32_t segme
 typedef struct svo_i_edit_sums {
     uint64_t weight;
     uint64_t color[4]; /* of red, green and blue times alpha, and of alpha */
+    int64_t normal[3];
 } svo_i_edit_sums;
 
 void svo_i_edit_add_color(svo_i_edit_sums *to, uint32_t color, uint64_t weight);
@@ -136,7 +153,7 @@ svo_i_edit_kind svo_i_edit_kind_of(const svo_i_edit_store *store, svo_i_edit_ref
 /* The payload that the voxels of a node have in common. Where their colors differ, it has about the mean, which is
    opaque if all are. */
 svo_i_edit_payload svo_i_edit_payload_of(const svo_i_edit_store *store, svo_i_edit_ref ref);
-/* Of a block: what its voxels do not have in common, SVO_I_EDIT_COLORS and SVO_I_EDIT_MATERIALS; 0 of other nodes. */
+/* Of a block: what its voxels have of their own, SVO_I_EDIT_COLORS, _MATERIALS and _NORMALS; 0 of other nodes. */
 uint32_t svo_i_edit_variety_of(const svo_i_edit_store *store, svo_i_edit_ref ref);
 /* The places of a block that have voxels, by Morton code. */
 uint64_t svo_i_edit_mask_of(const svo_i_edit_store *store, svo_i_edit_ref ref);

@@ -2,7 +2,8 @@
 /*
  * Two walks from the root down: the first one counts the nodes of each level and finds what payload is constant, the
  * second one writes. Payload goes up as it does in a build (kernels/stages/sums.clh, material.cl), where voxels weigh
- * the same: sums of colors times alpha, and how many voxels have each material. So the bytes are those of a build.
+ * the same: sums of colors times alpha and of normals, and how many voxels have each material. So the bytes are those
+ * of a build.
  */
 #include "edit/tree.h"
 
@@ -122,14 +123,18 @@ typedef struct writer {
     /* of the first walk */
     uint64_t counts[SVO_LEVELS_MAX];
     svo_i_edit_payload first;
-    bool has_first, colors_vary, materials_vary;
+    uint64_t first_normal;
+    bool has_first, colors_vary, materials_vary, normals_vary;
     /* of the second one */
     uint32_t next[SVO_LEVELS_MAX]; /* the next node of each level */
     uint32_t payload_begin; /* the first node with payload */
+    bool depth_first; /* the order of payload */
+    uint32_t next_place; /* of payload, where it is depth-first */
     uint8_t *masks;
     uint32_t *first_child;
     uint32_t *colors; /* NULL: constant, or not asked for */
     uint16_t *materials; /* the same */
+    int16_t *normals; /* the same */
     run *runs; /* materials of nodes whose parent is not written yet, each node's ascending */
     size_t run_count, run_room;
 } writer;
@@ -147,10 +152,27 @@ static bool tell(writer *w, uint32_t level, bool is_inner, uint64_t voxel_count)
 
 /* ---- counting ---- */
 
+/* is_first: no node was noted before. */
+static void note_normals(writer *w, svo_i_edit_ref ref, uint32_t variety, bool is_first)
+{
+    if (!w->store->has_normals || w->normals_vary) {
+        return;
+    }
+    svo_i_edit_cells cells = {.mask = 1};
+    if ((variety & SVO_I_EDIT_NORMALS) != 0) {
+        svo_i_edit_unpack(w->store, ref, &cells);
+    }
+    w->first_normal = is_first ? cells.normal[svo_i_edit_lowest(cells.mask)] : w->first_normal;
+    for (uint64_t left = cells.mask; left != 0; left &= left - 1) {
+        w->normals_vary = w->normals_vary || cells.normal[svo_i_edit_lowest(left)] != w->first_normal;
+    }
+}
+
 static void note(writer *w, svo_i_edit_ref ref)
 {
     const svo_i_edit_payload payload = svo_i_edit_payload_of(w->store, ref);
     const uint32_t variety = svo_i_edit_variety_of(w->store, ref);
+    note_normals(w, ref, variety, !w->has_first);
     w->first = w->has_first ? w->first : payload;
     w->has_first = true;
     w->colors_vary = w->colors_vary || payload.color != w->first.color || (variety & SVO_I_EDIT_COLORS) != 0;
@@ -259,23 +281,46 @@ static void add_sums(svo_i_edit_sums *to, const svo_i_edit_sums *from)
     for (uint32_t i = 0; i < 4; ++i) {
         to->color[i] += from->color[i];
     }
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+        to->normal[axis] += from->normal[axis];
+    }
+}
+
+/* As svo_mean_normal of kernels: rounded half up, with an offset that makes the dividend positive. */
+static void put_mean_normal(const svo_i_edit_sums *s, int16_t out[3])
+{
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+        const uint64_t shifted = (uint64_t)(2 * s->normal[axis] + (int64_t)(s->weight << 16)) + s->weight;
+        out[axis] = (int16_t)((int64_t)(shifted / (2 * s->weight)) - 32768);
+    }
+}
+
+#define NO_PLACE UINT32_MAX
+
+/* Where the payload of the node that is met now goes, or NO_PLACE. */
+static uint32_t take_place(writer *w, uint32_t node)
+{
+    return node < w->payload_begin ? NO_PLACE : w->depth_first ? w->next_place++ : node - w->payload_begin;
 }
 
 /* Writes what a node above the voxels has. run_begin: its first run. */
-static void put_payload(writer *w, uint32_t node, const svo_i_edit_sums *s, size_t run_begin)
+static void put_payload(writer *w, uint32_t place, const svo_i_edit_sums *s, size_t run_begin)
 {
-    if (node < w->payload_begin) {
+    if (place == NO_PLACE) {
         return;
     }
     if (w->colors != NULL) {
-        w->colors[node - w->payload_begin] = svo_i_edit_mean_color(s);
+        w->colors[place] = svo_i_edit_mean_color(s);
+    }
+    if (w->normals != NULL) {
+        put_mean_normal(s, w->normals + 3 * (size_t)place);
     }
     if (w->materials != NULL) {
         run most = w->runs[run_begin];
         for (size_t i = run_begin + 1; i < w->run_count; ++i) {
             most = w->runs[i].weight > most.weight ? w->runs[i] : most;
         }
-        w->materials[node - w->payload_begin] = most.material;
+        w->materials[place] = most.material;
     }
 }
 
@@ -287,7 +332,21 @@ static void put_masks(writer *w, uint32_t node, uint32_t level, uint32_t mask)
     w->first_child[node] = w->next[level + 1];
 }
 
-/* Full levels below a node, and that node itself. */
+/* Writes one payload so many times from a place on. */
+static void put_same(writer *w, uint32_t place, uint32_t node_count, svo_i_edit_payload payload)
+{
+    for (uint32_t i = 0; i < node_count && w->colors != NULL; ++i) {
+        w->colors[place + i] = shown_color(payload.color);
+    }
+    for (uint32_t i = 0; i < node_count && w->materials != NULL; ++i) {
+        w->materials[place + i] = payload.material;
+    }
+    if (w->normals != NULL) {
+        memset(w->normals + 3 * (size_t)place, 0, 3 * sizeof *w->normals * node_count);
+    }
+}
+
+/* Full levels below a node, and that node itself. They have one payload, so depth-first they lie side by side. */
 static bool write_uniform(writer *w, svo_i_edit_ref ref, uint32_t level, svo_i_edit_sums *out)
 {
     const svo_i_edit_payload payload = svo_i_edit_payload_of(w->store, ref);
@@ -302,11 +361,10 @@ static bool write_uniform(writer *w, svo_i_edit_ref ref, uint32_t level, svo_i_e
                 w->first_child[begin + i] = w->next[at + 1] + 8 * i;
             }
         }
-        for (uint32_t i = 0; i < node_count && begin >= w->payload_begin && w->colors != NULL; ++i) {
-            w->colors[begin - w->payload_begin + i] = shown_color(payload.color);
-        }
-        for (uint32_t i = 0; i < node_count && begin >= w->payload_begin && w->materials != NULL; ++i) {
-            w->materials[begin - w->payload_begin + i] = payload.material;
+        const uint32_t place = take_place(w, begin);
+        if (place != NO_PLACE) {
+            put_same(w, place, node_count, payload);
+            w->next_place += w->depth_first ? node_count - 1 : 0;
         }
         w->next[at] += node_count;
     }
@@ -317,18 +375,25 @@ static bool write_uniform(writer *w, svo_i_edit_ref ref, uint32_t level, svo_i_e
 /* run_begin: the first run of the octant. */
 static bool write_leaf(writer *w, const svo_i_edit_cells *cells, uint32_t cell, size_t run_begin, svo_i_edit_sums *out)
 {
-    const uint32_t leaf = w->next[w->depth]++;
+    const uint32_t place = take_place(w, w->next[w->depth]++);
     const uint32_t color = cells->color[cell];
     svo_i_edit_add_color(out, color, 1);
     if (w->colors != NULL) {
-        w->colors[leaf - w->payload_begin] = shown_color(color);
+        w->colors[place] = shown_color(color);
+    }
+    if (w->normals != NULL) {
+        int16_t *normal = w->normals + 3 * (size_t)place;
+        svo_i_edit_unpack_normal(cells->normal[cell], normal);
+        for (uint32_t axis = 0; axis < 3; ++axis) {
+            out->normal[axis] += normal[axis];
+        }
     }
     if (w->materials == NULL) {
         return true;
     }
     const uint16_t material = cells->material[cell];
     run *last = w->run_count > run_begin ? &w->runs[w->run_count - 1] : NULL;
-    w->materials[leaf - w->payload_begin] = material;
+    w->materials[place] = material;
     if (last != NULL && last->material == material) { /* of most voxels */
         ++last->weight;
         return true;
@@ -343,6 +408,7 @@ static bool write_octant(writer *w, const svo_i_edit_cells *cells, uint32_t octa
     const uint32_t level = w->depth - 1;
     const uint32_t mask = (uint32_t)(cells->mask >> 8u * octant & 0xffu);
     const uint32_t node = w->next[level]++;
+    const uint32_t place = take_place(w, node);
     const size_t begin = w->run_count;
     svo_i_edit_sums own = {.weight = 0};
     put_masks(w, node, level, mask);
@@ -351,7 +417,7 @@ static bool write_octant(writer *w, const svo_i_edit_cells *cells, uint32_t octa
             return false;
         }
     }
-    put_payload(w, node, &own, begin);
+    put_payload(w, place, &own, begin);
     add_sums(out, &own);
     return true;
 }
@@ -361,6 +427,7 @@ static bool write_block(writer *w, svo_i_edit_ref ref, svo_i_edit_sums *out)
     svo_i_edit_cells cells;
     const uint32_t level = w->depth - SVO_I_EDIT_BLOCK_LEVEL;
     const uint32_t node = w->next[level]++;
+    const uint32_t place = take_place(w, node);
     const size_t begin = w->run_count;
     svo_i_edit_sums own = {.weight = 0};
     svo_i_edit_unpack(w->store, ref, &cells);
@@ -372,7 +439,7 @@ static bool write_block(writer *w, svo_i_edit_ref ref, svo_i_edit_sums *out)
             return false;
         }
     }
-    put_payload(w, node, &own, begin);
+    put_payload(w, place, &own, begin);
     add_sums(out, &own);
     return true;
 }
@@ -384,6 +451,7 @@ static bool write_inner(writer *w, svo_i_edit_ref ref, uint32_t level, svo_i_edi
     svo_i_edit_ref children[8];
     const uint32_t at = w->depth - level;
     const uint32_t node = w->next[at]++;
+    const uint32_t place = take_place(w, node);
     const size_t begin = w->run_count;
     svo_i_edit_sums own = {.weight = 0};
     uint32_t mask = 0;
@@ -398,7 +466,7 @@ static bool write_inner(writer *w, svo_i_edit_ref ref, uint32_t level, svo_i_edi
             return false;
         }
     }
-    put_payload(w, node, &own, begin);
+    put_payload(w, place, &own, begin);
     add_sums(out, &own);
     return true;
 }
@@ -433,7 +501,8 @@ static svo_status take_counts(writer *w)
     info->leaf_count = node_count - info->inner_count;
     info->fragments = info->leaf_count;
     info->constant = (w->colors_vary ? 0u : info->need & (uint32_t)SVO_NEED_COLOR) |
-                     (w->materials_vary ? 0u : info->need & (uint32_t)SVO_NEED_MATERIAL);
+                     (w->materials_vary ? 0u : info->need & (uint32_t)SVO_NEED_MATERIAL) |
+                     (w->normals_vary ? 0u : info->need & (uint32_t)SVO_NEED_NORMAL);
     w->payload_begin = info->level_begin[info->payload_level];
     return SVO_OK;
 }
@@ -441,7 +510,7 @@ static svo_status take_counts(writer *w)
 static bool allocate(writer *w)
 {
     static const svo_tree_buffer arrays[] = {SVO_TREE_CHILD_MASK, SVO_TREE_FIRST_CHILD, SVO_TREE_COLORS,
-                                             SVO_TREE_MATERIALS};
+                                             SVO_TREE_NORMALS, SVO_TREE_MATERIALS};
     svo_tree *tree = w->tree;
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i) {
         if (svo_i_tree_holds(&tree->info, arrays[i])) {
@@ -457,6 +526,7 @@ static bool allocate(writer *w)
     w->first_child = tree->host[SVO_TREE_FIRST_CHILD];
     w->colors = tree->host[SVO_TREE_COLORS];
     w->materials = tree->host[SVO_TREE_MATERIALS];
+    w->normals = tree->host[SVO_TREE_NORMALS];
     return true;
 }
 
@@ -471,15 +541,20 @@ static void put_constants(writer *w)
         w->materials[0] = w->first.material;
         w->materials = NULL;
     }
+    if (w->normals != NULL && !w->normals_vary) {
+        svo_i_edit_unpack_normal(w->first_normal, w->normals);
+        w->normals = NULL;
+    }
 }
 
-svo_status svo_i_edit_write_tree(const svo_i_edit_store *store, svo_i_edit_ref node, svo_tree *tree,
+svo_status svo_i_edit_write_tree(const svo_i_edit_store *store, svo_i_edit_ref node, bool depth_first, svo_tree *tree,
                                  svo_i_edit_told told_by, void *user)
 {
     const uint32_t depth = tree->info.depth;
     writer w = {.store = store,
                 .tree = tree,
                 .depth = depth,
+                .depth_first = depth_first,
                 .told = told_by,
                 .user = user,
                 .voxel_count = svo_i_edit_voxels_of(store, node, depth)};

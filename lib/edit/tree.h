@@ -26,11 +26,12 @@ svo_i_edit_ref svo_i_edit_find_cube(const svo_i_edit_store *store, svo_i_edit_re
  * Writes the host arrays of a tree, where payload that is constant has one element.
  *
  * node: the cube of the grid, on the tree's depth as its level, at least 2; with voxels.
+ * depth_first: payload lies in the order of a walk from the root down, as in SVO_FORM_SHARED; false: in that of nodes.
  * tree: its info has depth, need and payload_level, and receives counts and constant. On failure it may have arrays.
  * told: NULL: nothing is called.
  * Returns SVO_OUT_OF_HOST_MEMORY, SVO_CAPACITY_EXCEEDED (2^32 - 1 nodes or more) or SVO_CANCELED, without a message.
  */
-svo_status svo_i_edit_write_tree(const svo_i_edit_store *store, svo_i_edit_ref node, svo_tree *tree,
+svo_status svo_i_edit_write_tree(const svo_i_edit_store *store, svo_i_edit_ref node, bool depth_first, svo_tree *tree,
                                  svo_i_edit_told told, void *user);
 
 #endif

@@ -286,8 +286,8 @@ static svo_status check_arguments(svo_device *device, const char *function, cons
                                                   : "out");
 }
 
-static svo_status create(svo_device *device, const char *function, const svo_i_plan_input *input, unsigned depth,
-                         const svo_plan_options *options, svo_plan **out)
+svo_status svo_i_plan_create(svo_device *device, const char *function, const svo_i_plan_input *input, unsigned depth,
+                             const svo_plan_options *options, svo_plan **out)
 {
     svo_i_stage_list stages = {0};
     svo_plan *plan = NULL;
@@ -311,7 +311,7 @@ static svo_status create_from_mesh(svo_device *device, const char *function, con
     SVO_I_TRY(check_arguments(device, function, "mesh", mesh, out));
     SVO_I_TRY(svo_i_struct_read(&device->message, function, "mesh", mesh, &input.mesh,
                                 SVO_I_STRUCT_SIZES(svo_mesh, triangle_count)));
-    return create(device, function, &input, depth, options, out);
+    return svo_i_plan_create(device, function, &input, depth, options, out);
 }
 
 svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
@@ -345,5 +345,5 @@ svo_status svo_plan_create_from_buffers(svo_device *device, const svo_mesh_buffe
                                     .queue = queue,
                                     .wait_count = num_wait,
                                     .wait = wait};
-    return create(device, function, &input, depth, options, out);
+    return svo_i_plan_create(device, function, &input, depth, options, out);
 }

@@ -13,8 +13,13 @@
 #define SVO_LIB_PIPELINE_RUN_H
 
 #include "core/device.h"
+#include "plan/arrays.h"
 #include "stages/build_state.h"
 #include "svocl/build.h"
+
+/* svo_plan_create of any input. function: begins messages. */
+svo_status svo_i_plan_create(svo_device *device, const char *function, const svo_i_plan_input *input, unsigned depth,
+                             const svo_plan_options *options, svo_plan **out);
 
 /* Writing build reports to the caller's struct, which may be of an earlier version. */
 

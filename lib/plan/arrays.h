@@ -23,6 +23,9 @@ typedef struct svo_i_device_mesh {
 typedef struct svo_i_plan_input {
     svo_mesh mesh;
     const svo_mesh_buffers *buffers; /* NULL: the arrays are the mesh's */
+    /* In place of the mesh's normals: x, y, z, 0 per vertex, as nodes have them, of any length. NULL: the mesh's.
+       Plans that are updated have none. */
+    const int16_t *exact_normals;
     cl_command_queue queue; /* NULL: the device's own */
     cl_uint wait_count;
     const cl_event *wait;

@@ -249,6 +249,10 @@ static svo_status copy_normals(svo_plan *plan, const svo_mesh *mesh)
     if (plan->normals == NULL) {
         return no_memory(plan);
     }
+    if (plan->exact_normals != NULL) {
+        memcpy(plan->normals, plan->exact_normals, (size_t)plan->vertex_count * 4 * sizeof *plan->normals);
+        return SVO_OK;
+    }
     for (size_t v = 0; v < plan->vertex_count; ++v) {
         const float *n = mesh->normals + v * 3;
         unit_normal((double)n[0], (double)n[1], (double)n[2], plan->normals + v * 4);
@@ -577,7 +581,7 @@ svo_status svo_i_plan_find(svo_plan *plan, const svo_mesh *mesh, svo_i_findings 
     if ((varying & SVO_NEED_COLOR) != 0 || plan->least_alpha != 0) {
         SVO_I_TRY(copy_color_inputs(plan, mesh, found->material_used));
     }
-    if ((varying & SVO_NEED_NORMAL) != 0 && mesh->normals != NULL) {
+    if ((varying & SVO_NEED_NORMAL) != 0 && (mesh->normals != NULL || plan->exact_normals != NULL)) {
         SVO_I_TRY(copy_normals(plan, mesh));
     }
     SVO_I_TRY(make_records(plan, mesh, found));

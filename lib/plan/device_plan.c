@@ -413,11 +413,14 @@ static svo_status fill_vertices(attributes_run *r)
         SVO_I_TRY(svo_i_work_result(r->work, "plan_colors", (uint64_t)vertices * 4, &memory->colors));
         SVO_I_TRY(svo_i_work_copy(r->work, r->mesh->colors, 0, memory->colors, 0, (uint64_t)vertices * 4));
     }
-    if (r->mesh->normals == NULL) {
+    const int16_t *exact =
+        vertices > 0 && (svo_i_plan_reads(r->plan) & SVO_NEED_NORMAL) != 0 ? r->plan->exact_normals : NULL;
+    if (r->mesh->normals == NULL && exact == NULL) {
         return SVO_OK;
     }
     SVO_I_TRY(svo_i_work_result(r->work, "plan_normals", (uint64_t)vertices * 8, &memory->normals));
-    return launch_normals(r->work, r->mesh->normals, memory->normals, vertices);
+    return exact != NULL ? svo_i_work_write_later(r->work, memory->normals, exact, (uint64_t)vertices * 8)
+                         : launch_normals(r->work, r->mesh->normals, memory->normals, vertices);
 }
 
 /* Which materials have a texture, for the kernel. */

@@ -431,7 +431,9 @@ svo_status svo_i_plan_new(svo_device *device, const char *function, const svo_i_
     plan->info.depth = depth;
     plan->stages = stages->rows;
     plan->stage_count = stages->count;
+    plan->exact_normals = input->exact_normals;
     const svo_status status = make_plan(plan, function, input);
+    plan->exact_normals = NULL;
     if (status != SVO_OK) {
         svo_plan_destroy(&plan);
         return status;

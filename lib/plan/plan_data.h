@@ -252,6 +252,7 @@ struct svo_plan {
     svo_triangle_record *records;
     uint32_t *colors; /* RGBA8 per vertex */
     int16_t *normals; /* x, y, z, 0 per vertex */
+    const int16_t *exact_normals; /* svo_i_plan_input.exact_normals, while the plan is made */
     int32_t *uvs; /* u, v per vertex, 65536 = 1 */
     svo_material_record *materials;
     uint32_t material_count; /* at least 1 */

@@ -12,6 +12,7 @@
 #include "core/device.h"
 #include "core/struct_size.h"
 #include "core/voxel_list.h"
+#include "pipeline/run.h"
 #include "plan/plan.h"
 
 static const char function[] = "svo_voxels_plan";
@@ -22,18 +23,27 @@ typedef struct points {
     uint32_t *indices;
     uint8_t *colors; /* NULL without SVO_NEED_COLOR */
     uint16_t *materials; /* NULL without SVO_NEED_MATERIAL */
+    int16_t *normals; /* x, y, z, 0 each; NULL without SVO_NEED_NORMAL */
     svo_material *table; /* as many white materials as there are numbers */
 } points;
 
-svo_status svo_i_voxels_options(svo_device *device, const svo_voxels_info *info, unsigned *depth,
+svo_status svo_i_voxels_options(svo_device *device, const svo_voxels_info *info, bool has_normals, unsigned *depth,
                                 svo_plan_options *options)
 {
-    const uint32_t payload = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_MATERIAL;
+    const uint32_t payload =
+        (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_MATERIAL | (has_normals ? (uint32_t)SVO_NEED_NORMAL : 0u);
     options->need = options->need == SVO_NEED_DEFAULT ? payload : options->need;
     if (options->need != SVO_NEED_NONE && (options->need & ~payload) != 0) {
+        return svo_i_device_fail(
+            device, SVO_INVALID_ARGUMENT, "%s: options.need 0x%x is not made of %s, or none%s", function, options->need,
+            has_normals ? "color, normal and material" : "color and material",
+            (options->need & SVO_NEED_NORMAL) != 0 && !has_normals ? "; the voxels have no normals" : "");
+    }
+    if (options->updatable != 0 && options->need != SVO_NEED_NONE && (options->need & SVO_NEED_NORMAL) != 0) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                 "%s: options.need 0x%x is not made of color and material, or none", function,
-                                 options->need);
+                                 "%s: options.need has normal, and options.updatable is "
+                                 "not 0",
+                                 function);
     }
     if (options->coverage != SVO_COVERAGE_HALF_OPEN || options->edge != 0.0) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.%s is not 0", function,
@@ -62,6 +72,7 @@ static void free_points(points *p)
     svo_i_free(p->indices);
     svo_i_free(p->colors);
     svo_i_free(p->materials);
+    svo_i_free(p->normals);
     svo_i_free(p->table);
 }
 
@@ -75,13 +86,15 @@ static bool allocate_points(const svo_i_memory *memory, const svo_voxels *voxels
     }
     const bool color = (need & SVO_NEED_COLOR) != 0;
     const bool material = (need & SVO_NEED_MATERIAL) != 0;
+    const bool normal = (need & SVO_NEED_NORMAL) != 0;
     p->positions = svo_i_alloc(memory, bytes);
     p->indices = svo_i_alloc(memory, bytes);
     p->colors = color ? svo_i_alloc(memory, (count + 1) * 4) : NULL;
     p->materials = material ? svo_i_alloc(memory, (count + 1) * sizeof *p->materials) : NULL;
+    p->normals = normal ? svo_i_alloc(memory, (count + 1) * 4 * sizeof *p->normals) : NULL;
     p->table = material ? svo_i_alloc(memory, (voxels->info.material_count + 1) * sizeof *p->table) : NULL;
     return p->positions != NULL && p->indices != NULL && (p->colors != NULL || !color) &&
-           ((p->materials != NULL && p->table != NULL) || !material);
+           (p->normals != NULL || !normal) && ((p->materials != NULL && p->table != NULL) || !material);
 }
 
 /* Positions count voxels from the least corner on: halves below 2^16, which are exact. */
@@ -101,6 +114,10 @@ static void fill_points(const svo_voxels *voxels, points *p)
         }
         if (p->materials != NULL) {
             p->materials[i] = voxel->material;
+        }
+        if (p->normals != NULL) {
+            memcpy(p->normals + 4 * i, voxels->normals + 3 * i, 3 * sizeof *p->normals);
+            p->normals[4 * i + 3] = 0;
         }
     }
     for (uint32_t i = 0; i < voxels->info.material_count && p->table != NULL; ++i) {
@@ -150,27 +167,24 @@ svo_status svo_voxels_plan(svo_device *device, const svo_voxels *voxels, unsigne
     SVO_I_TRY(svo_i_struct_read(svo_i_device_message(device), function, "options", options, &asked,
                                 SVO_I_STRUCT_SIZES(svo_plan_options, coverage)));
     asked.builder = options == NULL ? SVO_BUILDER_SORTED : asked.builder;
-    SVO_I_TRY(svo_i_voxels_options(device, &voxels->info, &depth, &asked));
+    SVO_I_TRY(svo_i_voxels_options(device, &voxels->info, voxels->normals != NULL, &depth, &asked));
     if (!allocate_points(&device->memory, voxels, asked.need, &p)) {
         status = svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %llu voxels", function,
                                    (unsigned long long)voxels->info.voxel_count);
         goto cleanup;
     }
     fill_points(voxels, &p);
-    const svo_mesh mesh = {.struct_size = sizeof mesh,
-                           .positions = p.positions,
-                           .vertex_count = (size_t)voxels->info.voxel_count,
-                           .indices = p.indices,
-                           .triangle_count = (size_t)voxels->info.voxel_count,
-                           .colors = p.colors,
-                           .triangle_materials = p.materials,
-                           .materials = p.table,
-                           .material_count = p.table != NULL ? voxels->info.material_count : 0};
-    status = svo_plan_create(device, &mesh, depth, &asked, &plan);
-    if (status != SVO_OK) {
-        svo_i_message_rename(svo_i_device_message(device), function);
-        goto cleanup;
-    }
+    const svo_i_plan_input input = {.mesh = {.struct_size = sizeof input.mesh,
+                                             .positions = p.positions,
+                                             .vertex_count = (size_t)voxels->info.voxel_count,
+                                             .indices = p.indices,
+                                             .triangle_count = (size_t)voxels->info.voxel_count,
+                                             .colors = p.colors,
+                                             .triangle_materials = p.materials,
+                                             .materials = p.table,
+                                             .material_count = p.table != NULL ? voxels->info.material_count : 0},
+                                    .exact_normals = p.normals};
+    SVO_I_TRY_CLEANUP(svo_i_plan_create(device, function, &input, depth, &asked, &plan));
     SVO_I_TRY_CLEANUP(place_plan(device, voxels, &plan->info));
     *out = plan;
     plan = NULL;

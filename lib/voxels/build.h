@@ -8,7 +8,7 @@
 
 /* Checks what of a plan's options concerns voxels, and sets what follows from them. What else a plan checks is left.
    Messages begin with svo_voxels_plan. */
-svo_status svo_i_voxels_options(svo_device *device, const svo_voxels_info *info, unsigned *depth,
+svo_status svo_i_voxels_options(svo_device *device, const svo_voxels_info *info, bool has_normals, unsigned *depth,
                                 svo_plan_options *options);
 
 /* The grid of a tree of voxels, as svo_tree_info has it. */

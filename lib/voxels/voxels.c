@@ -163,14 +163,58 @@ static svo_status copy_properties(const svo_voxels_source *source, svo_voxels *m
     return SVO_OK;
 }
 
-/* Sorts the list's voxels and leaves out those that others replace. Frees spare. */
-static void sort_voxels(svo_voxels *made, svo_voxel *spare, size_t count)
+/* What normals need while they are sorted with their voxels. All arrays are owned. */
+typedef struct sorting {
+    svo_voxel *spare; /* NULL: nothing is sorted */
+    uint32_t *colors; /* of all voxels, which have their numbers in their place; NULL without normals */
+    int16_t *normals; /* the sorted ones; NULL without normals */
+} sorting;
+
+static void sorting_free(sorting *s)
 {
-    svo_i_voxel_sort(made->voxels, spare, count, made->info.low, svo_i_voxel_bits(made->info.low, made->info.high),
+    svo_i_free(s->spare);
+    svo_i_free(s->colors);
+    svo_i_free(s->normals);
+}
+
+/* Lets each voxel carry its number, by which it gets its color and its normal back. */
+static void number_voxels(svo_voxels *made, const sorting *s, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        const uint32_t number = (uint32_t)i;
+        memcpy(&s->colors[i], made->voxels[i].rgba, sizeof s->colors[i]);
+        memcpy(made->voxels[i].rgba, &number, sizeof number);
+    }
+}
+
+static void follow_numbers(svo_voxels *made, sorting *s, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        uint32_t number = 0;
+        memcpy(&number, made->voxels[i].rgba, sizeof number);
+        memcpy(made->voxels[i].rgba, &s->colors[number], sizeof s->colors[number]);
+        memcpy(s->normals + 3 * i, made->normals + 3 * (size_t)number, 3 * sizeof *s->normals);
+    }
+    int16_t *sorted = s->normals;
+    s->normals = made->normals;
+    made->normals = sorted;
+}
+
+/* Sorts the list's voxels and leaves out those that others replace. Frees what that needs. */
+static void sort_voxels(svo_voxels *made, sorting *s, size_t count)
+{
+    if (made->normals != NULL) {
+        number_voxels(made, s, count);
+    }
+    svo_i_voxel_sort(made->voxels, s->spare, count, made->info.low, svo_i_voxel_bits(made->info.low, made->info.high),
                      SVO_I_VOXEL_MORTON);
     const size_t kept = keep_last(made->voxels, count);
     made->info.voxel_count = kept;
-    svo_i_free(spare); /* first, since less memory may mean another block */
+    if (made->normals != NULL) {
+        follow_numbers(made, s, kept);
+    }
+    sorting_free(s); /* first, since less memory may mean another block */
+    *s = (sorting){NULL, NULL, NULL};
     svo_voxel *smaller = kept < count ? svo_i_grow(&made->memory, made->voxels, kept * sizeof *smaller) : NULL;
     made->voxels = smaller != NULL ? smaller : made->voxels;
 }
@@ -189,26 +233,33 @@ static bool is_sorted(const svo_voxels *made)
     return true;
 }
 
-static svo_status allocate_spare(const svo_voxels *made, svo_voxel **spare, svo_message *message)
+static svo_status allocate_sorting(const svo_voxels *made, sorting *s, svo_message *message)
 {
-    *spare = svo_i_alloc(&made->memory, (size_t)made->info.voxel_count * sizeof **spare);
-    return *spare != NULL ? SVO_OK
-                          : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory to sort %" PRIu64 " voxels",
-                                       create_name, made->info.voxel_count);
+    const size_t count = (size_t)made->info.voxel_count;
+    const bool has_normals = made->normals != NULL;
+    s->spare = svo_i_alloc(&made->memory, count * sizeof *s->spare);
+    s->colors = has_normals ? svo_i_alloc(&made->memory, count * sizeof *s->colors) : NULL;
+    s->normals = has_normals ? svo_i_alloc(&made->memory, count * 3 * sizeof *s->normals) : NULL;
+    return s->spare != NULL && (!has_normals || (s->colors != NULL && s->normals != NULL))
+               ? SVO_OK
+               : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory to sort %zu voxels", create_name, count);
 }
 
-static svo_status take_voxels(const svo_i_memory *memory, const svo_voxels_source *source, svo_voxel *voxels,
-                              svo_voxel *spare, svo_voxels **out, svo_message *message)
+svo_status svo_i_voxels_take(const svo_i_memory *memory, const svo_voxels_source *source, svo_voxel *voxels,
+                             int16_t *normals, svo_voxels **out, svo_message *message)
 {
     svo_status status = SVO_OK;
+    sorting s = {NULL, NULL, NULL};
     svo_voxels *made = svo_i_alloc_zeroed(memory, 1, sizeof *made);
     if (made == NULL) {
         svo_i_free(voxels);
+        svo_i_free(normals);
         status = svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the list", create_name);
         goto cleanup;
     }
     made->memory = *memory;
     made->voxels = voxels;
+    made->normals = normals;
     made->info = (svo_voxels_info){.struct_size = sizeof made->info,
                                    .voxel_count = source->voxel_count,
                                    .given_count = source->voxel_count,
@@ -218,27 +269,18 @@ static svo_status take_voxels(const svo_i_memory *memory, const svo_voxels_sourc
     }
     SVO_I_TRY_CLEANUP(find_bounds(voxels, source->voxel_count, &made->info, message));
     SVO_I_TRY_CLEANUP(copy_properties(source, made, message));
-    if (spare == NULL && !is_sorted(made)) {
-        SVO_I_TRY_CLEANUP(allocate_spare(made, &spare, message));
-    }
-    if (spare != NULL && source->voxel_count > 0) {
-        sort_voxels(made, spare, (size_t)source->voxel_count);
-        spare = NULL;
+    if (!is_sorted(made)) {
+        SVO_I_TRY_CLEANUP(allocate_sorting(made, &s, message));
+        sort_voxels(made, &s, (size_t)source->voxel_count);
     }
     const uint32_t bits = svo_i_voxel_bits(made->info.low, made->info.high);
     made->info.depth = bits < 1 ? 1 : bits > SVO_DEPTH_MAX ? 0 : bits;
     *out = made;
     made = NULL;
 cleanup:
-    svo_i_free(spare);
+    sorting_free(&s);
     svo_voxels_destroy(&made);
     return status;
-}
-
-svo_status svo_i_voxels_take(const svo_i_memory *memory, const svo_voxels_source *source, svo_voxel *voxels,
-                             svo_voxels **out, svo_message *message)
-{
-    return take_voxels(memory, source, voxels, NULL, out, message);
 }
 
 svo_status svo_voxels_create(const svo_voxels_source *source, svo_voxels **out, svo_message *message)
@@ -255,18 +297,22 @@ svo_status svo_voxels_create(const svo_voxels_source *source, svo_voxels **out, 
     SVO_I_TRY(check_source(&given, message));
     size_t bytes = 0;
     const bool fits = svo_i_mul_size((size_t)given.voxel_count, sizeof(svo_voxel), &bytes);
+    const size_t normal_bytes = given.normals != NULL ? (size_t)given.voxel_count * 3 * sizeof *given.normals : 0;
     svo_voxel *voxels = fits ? svo_i_alloc(&memory, bytes + 1) : NULL;
-    svo_voxel *spare = fits ? svo_i_alloc(&memory, bytes + 1) : NULL;
-    if (voxels == NULL || spare == NULL) {
+    int16_t *normals = fits && given.normals != NULL ? svo_i_alloc(&memory, normal_bytes + 1) : NULL;
+    if (voxels == NULL || (normals == NULL && given.normals != NULL)) {
         svo_i_free(voxels);
-        svo_i_free(spare);
+        svo_i_free(normals);
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %" PRIu64 " voxels", create_name,
                           given.voxel_count);
     }
     if (given.voxel_count > 0) {
         memcpy(voxels, given.voxels, bytes);
     }
-    return take_voxels(&memory, &given, voxels, spare, out, message);
+    if (normal_bytes > 0) {
+        memcpy(normals, given.normals, normal_bytes);
+    }
+    return svo_i_voxels_take(&memory, &given, voxels, normals, out, message);
 }
 
 svo_status svo_voxels_set_axes(svo_voxels *voxels, svo_axes axes)
@@ -287,6 +333,7 @@ void svo_voxels_destroy(svo_voxels **voxels)
     svo_i_free((*voxels)->properties);
     svo_i_free((*voxels)->texts);
     svo_i_free((*voxels)->counts);
+    svo_i_free((*voxels)->normals);
     svo_i_free(*voxels);
     *voxels = NULL;
 }
@@ -308,6 +355,11 @@ const svo_voxel *svo_voxels_get(const svo_voxels *voxels)
 const uint64_t *svo_voxels_get_counts(const svo_voxels *voxels)
 {
     return voxels->counts;
+}
+
+const int16_t *svo_voxels_get_normals(const svo_voxels *voxels)
+{
+    return voxels->normals;
 }
 
 const svo_voxel_property *svo_voxels_get_properties(const svo_voxels *voxels)
@@ -337,6 +389,24 @@ static void fill_leaf(const svo_tree *tree, uint64_t leaf, const uint32_t cell[3
     if (colors != NULL) {
         memcpy(voxel->rgba, colors + 4 * payload, 4);
     }
+}
+
+/* The normals of all leaves; *out stays NULL where the tree has none. */
+static svo_status copy_normals(const svo_tree *tree, int16_t **out, svo_message *message)
+{
+    const svo_tree_info *info = &tree->info;
+    const int16_t *normals = tree->host[SVO_TREE_NORMALS];
+    const size_t bytes = (size_t)info->leaf_count * 3 * sizeof *normals;
+    if (normals == NULL) {
+        return SVO_OK;
+    }
+    *out = svo_i_alloc(&tree->memory, bytes + 1);
+    if (*out == NULL) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %llu normals", get_name,
+                          (unsigned long long)info->leaf_count);
+    }
+    memcpy(*out, normals + 3 * (size_t)(info->inner_count - info->level_begin[info->payload_level]), bytes);
+    return SVO_OK;
 }
 
 /* Goes through the tree in depth-first order, which meets the leaves one after the other. */
@@ -411,7 +481,8 @@ svo_status svo_tree_get_voxels(const svo_tree *tree, svo_voxels **out, svo_messa
                           (unsigned long long)info->leaf_count, SVO_VOXELS_MAX);
     }
     /* Twice while the list is made. */
-    const uint64_t needed_bytes = 2 * info->leaf_count * sizeof(svo_voxel);
+    const uint64_t voxel_bytes = sizeof(svo_voxel) + (tree->host[SVO_TREE_NORMALS] != NULL ? 8 : 0);
+    const uint64_t needed_bytes = 2 * info->leaf_count * voxel_bytes;
     if (needed_bytes > svo_i_host_memory_bytes()) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: %llu voxels need %s, above the %s that are there",
                           get_name, (unsigned long long)info->leaf_count, svo_i_bytes(needed_bytes).text,
@@ -431,7 +502,13 @@ svo_status svo_tree_get_voxels(const svo_tree *tree, svo_voxels **out, svo_messa
                           (unsigned long long)info->leaf_count);
     }
     fill_leaves(tree, offset, voxels);
-    const svo_status status = svo_i_voxels_take(&tree->memory, &source, voxels, out, message);
+    int16_t *normals = NULL;
+    svo_status status = copy_normals(tree, &normals, message);
+    if (status != SVO_OK) {
+        svo_i_free(voxels);
+        return status;
+    }
+    status = svo_i_voxels_take(&tree->memory, &source, voxels, normals, out, message);
     if (status != SVO_OK) {
         svo_i_message_rename(message, get_name);
     }

@@ -6,12 +6,12 @@
 #include "core/voxel_list.h"
 
 /*
- * Makes a list of an array of its own. One in Morton order is not sorted, and then needs no second array.
+ * Makes a list of arrays of its own. Those in Morton order are not sorted, and then need no second ones.
  *
- * source: checked by the caller; its voxels are not read. voxels: source->voxel_count, by svo_i_alloc; the list's from
- * now on, on failure too.
+ * source: checked by the caller; its voxels and normals are not read. voxels, normals: source->voxel_count, by
+ * svo_i_alloc; the list's from now on, on failure too. normals NULL: there are none.
  */
 svo_status svo_i_voxels_take(const svo_i_memory *memory, const svo_voxels_source *source, svo_voxel *voxels,
-                             svo_voxels **out, svo_message *message);
+                             int16_t *normals, svo_voxels **out, svo_message *message);
 
 #endif

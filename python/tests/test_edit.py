@@ -66,6 +66,28 @@ def test_other_edits_are_combined(device):
             assert tree.info.leaf_count == edit.info.voxel_count
             with again.build(device) as same:
                 assert same.hash() == tree.hash()
+            with edit.compact(device, 6, svocl.Form.SHARED) as compact, edit.build(device, 6) as deeper:
+                with svocl.Compact(deeper, svocl.Form.SHARED) as same:
+                    assert compact.hash() == same.hash()
+            with pytest.raises(svocl.InvalidArgumentError, match="svo_edit_commit_compact: depth 1 is not in"):
+                edit.compact(device, 1)
+
+
+def test_normals_follow(device):
+    records = svocl.make_voxels([(2, 0, 0), (0, 0, 0), (1, 0, 0)])
+    given = np.array([(0, 0, 100), (-32767, 0, 0), (0, 0, 0)], np.int16)
+    with svocl.Voxels(records, normals=given) as voxels, svocl.Edit(voxels) as edit:
+        assert voxels.normals.tolist() == [[-32767, 0, 0], [0, 0, 0], [0, 0, 100]]
+        edit.apply(EditVerb.SET, Box((1, 0, 0), (5, 3, 3)))
+        with edit.voxels() as found, edit.build(device) as tree, found.build(device) as same:
+            normals = {tuple(int(v[axis]) for axis in "xyz"): n for v, n in zip(found.records, found.normals.tolist())}
+            assert tree.hash() == same.hash() and tree.info.need & svocl.Need.NORMAL
+        assert normals[0, 0, 0] == [-32767, 0, 0] and normals[2, 1, 1] == [0, 0, 0]
+        assert normals[1, 1, 1] == [-32767, 0, 0] and normals[3, 2, 2] == [0, 23170, 23170]
+    with svocl.Voxels(records) as voxels:
+        assert voxels.normals is None
+    with pytest.raises(ValueError, match="normals: 40000 is not in -32768"):
+        svocl.Voxels(records, normals=[[40000, 0, 0]] * 3)
 
 
 def test_a_budget_that_is_too_small(random):

@@ -174,7 +174,7 @@ static void errors_stay_within_what_was_asked(void **state)
                 assert_int_equal(found.alpha, 0);
                 assert_int_equal(words[4], found.largest);
                 assert_int_equal((uint64_t)words[6] << 32 | words[5], found.sum);
-                assert_true(words[7] <= exactly[7]);
+                assert_true(words[7] <= exactly[7] + 1); /* bits may be spent on smaller errors */
                 exact_bytes += turn == 0 && asked[i] >= 5 ? svo_i_packed_bytes(exactly) : 0;
                 lossy_bytes += turn == 0 && asked[i] >= 5 ? svo_i_packed_bytes(words) : 0;
                 svo_i_free(words);
@@ -203,10 +203,10 @@ static void shades_are_weights_on_a_line(void **state)
     const svo_i_packing what = {.buffer = SVO_COMPACT_COLORS, .elements = colors, .count = 256, .error = 9};
     uint32_t *words = pack(&what);
     uint8_t got[256][4];
-    /* 14 levels of 19 would do; weights have 15 steps of 17. */
+    /* 14 levels of 19 would do; weights have 15 steps of 17, or for a bit more 31 of 8, with half of the errors. */
     assert_int_equal(words[8], 1);
-    assert_int_equal(words[10] >> 14, 4 | 4 << 3);
-    assert_int_equal(words[7], 10 + 1 + (48 + 4 * 256 + 31) / 32);
+    assert_int_equal(words[10] >> 14, 4 | 5 << 3);
+    assert_int_equal(words[7], 10 + 1 + (48 + 5 * 256 + 31) / 32);
     svo_i_packed_read(words, SVO_COMPACT_COLORS, 0, 256, got);
     assert_in_range(compare(SVO_COMPACT_COLORS, colors, got, 256).largest, 1, 9);
     svo_i_free(words);

@@ -33,6 +33,7 @@ static const int32_t corner[3] = {-7, 100, 3}; /* of the array; voxels begin whe
 typedef struct dense_cell {
     uint8_t rgba[4];
     uint16_t material;
+    int16_t normal[3];
     bool full;
 } dense_cell;
 
@@ -95,22 +96,30 @@ static bool is_within(const int place[3])
     return within;
 }
 
-static svo_voxels *make_list(const svo_voxel *voxels, uint64_t count)
+/* normals: NULL: none */
+static svo_voxels *make_list_with(const svo_voxel *voxels, const int16_t *normals, uint64_t count)
 {
     svo_voxels *made = NULL;
     svo_message message = {""};
     svo_voxels_source source = SVO_VOXELS_SOURCE_INIT;
     source.voxels = voxels;
     source.voxel_count = count;
+    source.normals = normals;
     if (svo_voxels_create(&source, &made, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
     return made;
 }
 
-static svo_voxels *list_of_dense(const dense_cell *cells)
+static svo_voxels *make_list(const svo_voxel *voxels, uint64_t count)
+{
+    return make_list_with(voxels, NULL, count);
+}
+
+static svo_voxels *list_of_dense(const dense_cell *cells, bool has_normals)
 {
     svo_voxel *voxels = allocate(CELLS * sizeof *voxels);
+    int16_t *normals = allocate(CELLS * 3 * sizeof *normals);
     uint64_t count = 0;
     for (int z = 0; z < EDGE; ++z) {
         for (int y = 0; y < EDGE; ++y) {
@@ -120,13 +129,15 @@ static svo_voxels *list_of_dense(const dense_cell *cells)
                 if (cell->full) {
                     voxels[count] = (svo_voxel){
                         .x = x + corner[0], .y = y + corner[1], .z = z + corner[2], .material = cell->material};
+                    memcpy(normals + 3 * count, cell->normal, sizeof cell->normal);
                     memcpy(voxels[count++].rgba, cell->rgba, 4);
                 }
             }
         }
     }
-    svo_voxels *made = make_list(voxels, count);
+    svo_voxels *made = make_list_with(voxels, has_normals ? normals : NULL, count);
     free(voxels);
+    free(normals);
     return made;
 }
 
@@ -166,6 +177,11 @@ static void assert_same_lists(const svo_voxels *found, const svo_voxels *expecte
     assert_int_equal(left.voxel_count, right.voxel_count);
     assert_memory_equal(&left, &right, sizeof left);
     assert_memory_equal(svo_voxels_get(found), svo_voxels_get(expected), left.voxel_count * sizeof(svo_voxel));
+    const int16_t *normals[2] = {svo_voxels_get_normals(found), svo_voxels_get_normals(expected)};
+    assert_int_equal(normals[0] != NULL, normals[1] != NULL);
+    if (normals[0] != NULL) {
+        assert_memory_equal(normals[0], normals[1], left.voxel_count * 3 * sizeof(int16_t));
+    }
 }
 
 static void succeed(const fixture *opened, svo_status status)
@@ -197,8 +213,8 @@ static void assert_same_trees(const fixture *opened, const svo_edit *edit, const
 /* The edit's list is the array's, and with a device so are the bytes of the tree. */
 static void assert_is_dense(const svo_edit *edit, const dense_cell *cells, const fixture *opened)
 {
-    svo_voxels *expected = list_of_dense(cells);
     svo_voxels *found = list_of_edit(edit);
+    svo_voxels *expected = list_of_dense(cells, svo_voxels_get_normals(found) != NULL);
     assert_same_lists(found, expected);
     svo_voxels_info list = SVO_VOXELS_INFO_INIT;
     assert_int_equal(svo_voxels_get_info(found, &list), SVO_OK);
@@ -246,6 +262,53 @@ static bool is_inside(const svo_edit_step *step, const int place[3])
     return dot(from, from) * length - projection * projection <= radius * radius * length; /* below 2^62 here */
 }
 
+/* A voxel inside, one of whose six neighbors is outside, has the direction from the nearest point of the line between
+   the ends, which is rounded to 1/256; of a box that of the faces that it is at, together. */
+static void find_normal(const svo_edit_step *step, const int place[3], int16_t normal[3])
+{
+    double direction[3] = {0.0, 0.0, 0.0};
+    bool at_surface = false;
+    for (int axis = 0; axis < 3; ++axis) {
+        for (int side = -1; side <= 1; side += 2) {
+            int neighbor[3] = {place[0], place[1], place[2]};
+            neighbor[axis] += side;
+            const bool outside = !is_inside(step, neighbor);
+            at_surface = at_surface || outside;
+            direction[axis] += step->shape == SVO_EDIT_BOX && outside ? side : 0;
+        }
+    }
+    memset(normal, 0, 3 * sizeof *normal);
+    if (!at_surface) {
+        return;
+    }
+    if (step->shape != SVO_EDIT_BOX) {
+        double from[3];
+        double along[3];
+        double share = 0.0;
+        double length = 0.0;
+        for (int axis = 0; axis < 3; ++axis) {
+            from[axis] = (place[axis] + corner[axis]) * 256 + 128 - step->begin[axis] * 256.0;
+            along[axis] = step->shape == SVO_EDIT_CAPSULE ? (step->end[axis] - step->begin[axis]) * 256.0 : 0.0;
+            share += from[axis] * along[axis];
+            length += along[axis] * along[axis];
+        }
+        share = share <= 0.0 ? 0.0 : share >= length ? 1.0 : share / length;
+        for (int axis = 0; axis < 3; ++axis) {
+            direction[axis] = from[axis] - rint(share * along[axis]);
+        }
+    }
+    const double size = sqrt(direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]);
+    for (int axis = 0; axis < 3 && size > 0.0; ++axis) {
+        normal[axis] = (int16_t)rint(direction[axis] / size * 32767.0);
+    }
+}
+
+static void paint_cell(dense_cell *cell, const dense_cell *with)
+{
+    memcpy(cell->rgba, with->rgba, sizeof cell->rgba);
+    cell->material = with->material;
+}
+
 static void change_cell(dense_cell *cell, svo_edit_verb verb, bool inside, const dense_cell *with)
 {
     static const dense_cell empty = {.full = false};
@@ -263,7 +326,9 @@ static void change_cell(dense_cell *cell, svo_edit_verb verb, bool inside, const
         *cell = inside ? *cell : empty;
         break;
     default:
-        *cell = inside && cell->full ? *with : *cell;
+        if (inside && cell->full) {
+            paint_cell(cell, with);
+        }
     }
 }
 
@@ -273,7 +338,11 @@ static void change_by_shape(dense_cell *cells, const svo_edit_step *step)
     memcpy(with.rgba, step->rgba, 4);
     for (int i = 0; i < CELLS; ++i) {
         const int place[3] = {i % EDGE, i / EDGE % EDGE, i / EDGE / EDGE};
-        change_cell(&cells[i], (svo_edit_verb)step->verb, is_inside(step, place), &with);
+        const bool inside = is_inside(step, place);
+        if (inside) {
+            find_normal(step, place, with.normal);
+        }
+        change_cell(&cells[i], (svo_edit_verb)step->verb, inside, &with);
     }
 }
 
@@ -341,16 +410,28 @@ typedef struct random_edit {
     dense all;
 } random_edit;
 
-static svo_edit *edit_of_dense(const dense_cell *cells)
+static svo_edit *edit_of_dense(const dense_cell *cells, bool has_normals)
 {
     const svo_edit_options options = {.struct_size = sizeof options, .undo_count = UNDO};
-    svo_voxels *list = list_of_dense(cells);
+    svo_voxels *list = list_of_dense(cells, has_normals);
     svo_edit *made = make_edit(list, &options);
     svo_voxels_destroy(&list);
     return made;
 }
 
-static void random_open(uint64_t seed, random_edit *r)
+/* Normals of any length up to 1, and none of each eighth voxel; or none at all. */
+static void random_normals(uint64_t *seed, dense_cell *cells, bool has_normals)
+{
+    for (int i = 0; i < CELLS; ++i) {
+        for (int axis = 0; axis < 3; ++axis) {
+            const int32_t component = (int32_t)random_below(seed, 37001) - 18500;
+            cells[i].normal[axis] = cells[i].full && has_normals && i % 8 != 0 ? (int16_t)component : 0;
+        }
+    }
+}
+
+/* has_normals: of the edit, and of the other one. */
+static void random_open(uint64_t seed, bool has_normals, bool other_has_normals, random_edit *r)
 {
     *r = (random_edit){.seed = seed, .other_cells = allocate(CELLS * sizeof(dense_cell))};
     dense_open(&r->all);
@@ -359,8 +440,10 @@ static void random_open(uint64_t seed, random_edit *r)
         step.verb = SVO_EDIT_SET;
         change_by_shape(i < 3 ? r->all.versions[0] : r->other_cells, &step);
     }
-    r->edit = edit_of_dense(r->all.versions[0]);
-    r->other = edit_of_dense(r->other_cells);
+    random_normals(&r->seed, r->all.versions[0], has_normals);
+    random_normals(&r->seed, r->other_cells, other_has_normals);
+    r->edit = edit_of_dense(r->all.versions[0], has_normals);
+    r->other = edit_of_dense(r->other_cells, other_has_normals);
 }
 
 static void random_close(random_edit *r)
@@ -435,10 +518,10 @@ static void random_step(random_edit *r)
 static void steps_are_those_of_a_dense_array(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
-    for (uint64_t seed = 1; seed <= 3; ++seed) {
+    for (uint64_t seed = 1; seed <= 4; ++seed) {
         random_edit r;
         print_message("seed %d\n", (int)seed);
-        random_open(seed, &r);
+        random_open(seed, (seed & 1) == 0, (seed & 2) != 0, &r);
         for (int i = 0; i < 80; ++i) {
             random_step(&r);
             assert_is_dense(r.edit, r.all.versions[r.all.current], i % 20 == 0 ? &opened : NULL);
@@ -451,7 +534,7 @@ static void places_are_found(void **state)
 {
     (void)state;
     random_edit r;
-    random_open(11, &r);
+    random_open(11, true, true, &r);
     const dense_cell *cells = r.all.versions[0];
     for (int i = 0; i < CELLS; ++i) {
         svo_voxel voxel;
@@ -740,6 +823,209 @@ static void commits_are_builds(void **state)
         svo_edit_destroy(&edit);
         svo_voxels_destroy(&list);
     }
+}
+
+/* ---- normals ---- */
+
+static void hash_build(const fixture *opened, const svo_voxels *list, svo_place place, char hash[SVO_HASH_TEXT_BYTES])
+{
+    const svo_plan_options options = {.struct_size = sizeof options, .place = place};
+    svo_tree *tree = NULL;
+    succeed(opened, svo_voxels_build(opened->device, list, 0, &options, opened->queue, &tree, NULL));
+    succeed(opened, svo_tree_download(tree, opened->queue));
+    assert_int_equal(svo_tree_hash(tree, SVO_HASH_ALL, hash), SVO_OK);
+    svo_tree_destroy(&tree);
+}
+
+/* Normals of voxels: none, one for all that is no unit vector, as far as rounding goes the same, or all different. */
+static void commits_have_the_normals_of_builds(void **state)
+{
+    enum { NONE, ONE, NEAR, DIFFERENT, KINDS, COUNT = 5000 };
+    const fixture opened = fixture_cl_of_group(state);
+    svo_voxel *voxels = allocate(COUNT * sizeof *voxels);
+    int16_t *normals = allocate(3 * COUNT * sizeof *normals);
+    for (int kind = NONE; kind < KINDS; ++kind) {
+        uint64_t seed = 77;
+        for (size_t i = 0; i < COUNT; ++i) {
+            voxels[i] = (svo_voxel){.x = (int32_t)random_below(&seed, 40),
+                                    .y = (int32_t)random_below(&seed, 30),
+                                    .z = (int32_t)random_below(&seed, 20),
+                                    .rgba = {9, 200, 31, 255}};
+            for (size_t axis = 0; axis < 3; ++axis) {
+                normals[3 * i + axis] = (int16_t)(kind == NONE   ? 0
+                                                  : kind == ONE  ? 5000
+                                                  : kind == NEAR ? 5000 + (int)(i % 2)
+                                                                 : (int)random_below(&seed, 37000) - 18500);
+            }
+        }
+        svo_voxels *list = make_list_with(voxels, normals, COUNT);
+        svo_edit *edit = make_edit(list, NULL);
+        svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+        char hashes[2][SVO_HASH_TEXT_BYTES];
+        assert_same_trees(&opened, edit, list, 0, NULL);
+        options.need = SVO_NEED_NORMAL;
+        options.payload_level = 4;
+        assert_same_trees(&opened, edit, list, 8, &options);
+        options.need = SVO_NEED_COLOR;
+        assert_same_trees(&opened, edit, list, 0, &options);
+        options.fragment_capacity = 100;
+        options.need = SVO_NEED_DEFAULT;
+        assert_same_trees(&opened, edit, list, 0, &options);
+        hash_build(&opened, list, SVO_PLACE_HOST, hashes[0]);
+        hash_build(&opened, list, SVO_PLACE_DEVICE, hashes[1]);
+        assert_string_equal(hashes[0], hashes[1]);
+        svo_edit_destroy(&edit);
+        svo_voxels_destroy(&list);
+    }
+    free(voxels);
+    free(normals);
+}
+
+static svo_tree *commit(const fixture *opened, const svo_edit *edit, svo_tree_arrays *arrays, svo_tree_info *info)
+{
+    svo_tree *tree = NULL;
+    succeed(opened, svo_edit_commit(edit, opened->device, 0, NULL, opened->queue, &tree, NULL));
+    succeed(opened, svo_tree_download(tree, opened->queue));
+    assert_int_equal(svo_tree_get_arrays(tree, arrays), SVO_OK);
+    assert_int_equal(svo_tree_get_info(tree, info), SVO_OK);
+    return tree;
+}
+
+/* The tree of a mesh, from which a sphere is cleared and to which a box of two voxels is added, against a list that is
+   made by hand: leaf by leaf, and the mean at the root. The mesh reaches the grid's least voxels, where both lists
+   begin. */
+static void voxels_of_meshes_keep_their_normals(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_plan_options options = {
+        .struct_size = sizeof options, .need = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL, .edge = 32.0};
+    parts made = {NULL, NULL, 0, 0};
+    built surface;
+    svo_voxels *leaves = NULL;
+    svo_voxels_info list = SVO_VOXELS_INFO_INIT;
+    parts_add_cube(&made, 0.5, 20.5, false, -1);
+    const svo_mesh mesh = parts_mesh(&made);
+    fixture_build(&opened, &mesh, 5, &options, &surface);
+    assert_int_equal(svo_tree_get_voxels(surface.tree, &leaves, NULL), SVO_OK);
+    assert_int_equal(svo_voxels_get_info(leaves, &list), SVO_OK);
+    const size_t count = (size_t)list.voxel_count;
+    const int16_t *of_leaves = surface.arrays.normals + 3 * surface.info.inner_count;
+    assert_memory_equal(svo_voxels_get_normals(leaves), of_leaves, 3 * count * sizeof(int16_t));
+    svo_edit *edit = make_edit(leaves, NULL);
+    svo_edit_step step = SVO_EDIT_STEP_INIT;
+    step.verb = SVO_EDIT_CLEAR;
+    step.shape = SVO_EDIT_SPHERE;
+    step.begin[0] = step.begin[1] = step.begin[2] = 3.0;
+    step.radius = 9.0;
+    assert_int_equal(svo_edit_apply(edit, &step, NULL), SVO_OK);
+    step = (svo_edit_step)SVO_EDIT_STEP_INIT; /* at the high end, so that it comes last in Morton order */
+    step.begin[0] = 30.0;
+    step.begin[1] = step.begin[2] = 31.0;
+    step.end[0] = step.end[1] = step.end[2] = 32.0;
+    assert_int_equal(svo_edit_apply(edit, &step, NULL), SVO_OK);
+    svo_voxel *voxels = allocate((count + 2) * sizeof *voxels);
+    int16_t *normals = allocate(3 * (count + 2) * sizeof *normals);
+    size_t kept = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const svo_voxel *one = &svo_voxels_get(leaves)[i];
+        const double away[3] = {one->x - 2.5, one->y - 2.5, one->z - 2.5};
+        if (away[0] * away[0] + away[1] * away[1] + away[2] * away[2] > 81.0) {
+            memcpy(normals + 3 * kept, of_leaves + 3 * i, 3 * sizeof *normals);
+            voxels[kept++] = *one;
+        }
+    }
+    for (int32_t x = 30; x < 32; ++x) { /* y and z are thin: faces of both sides cancel */
+        normals[3 * kept] = x == 30 ? -32767 : 32767;
+        voxels[kept++] = (svo_voxel){.x = x, .y = 31, .z = 31};
+    }
+    svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    svo_tree *tree = commit(&opened, edit, &arrays, &info);
+    assert_int_equal(info.need, SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_MATERIAL);
+    assert_in_range(kept, 100, count);
+    assert_int_equal(info.leaf_count, kept);
+    assert_memory_equal(arrays.normals + 3 * info.inner_count, normals, 3 * kept * sizeof *normals);
+    for (size_t axis = 0; axis < 3; ++axis) {
+        int64_t sum = 0;
+        for (size_t i = 0; i < kept; ++i) {
+            sum += normals[3 * i + axis];
+        }
+        assert_int_equal(arrays.normals[axis], (int)floor((double)sum / (double)kept + 0.5));
+    }
+    svo_voxels *expected = make_list_with(voxels, normals, kept);
+    assert_same_trees(&opened, edit, expected, 0, NULL);
+    svo_voxels_destroy(&expected);
+    svo_tree_destroy(&tree);
+    svo_edit_destroy(&edit);
+    svo_voxels_destroy(&leaves);
+    built_destroy(&surface);
+    parts_free(&made);
+    free(voxels);
+    free(normals);
+}
+
+/* ---- compact trees ---- */
+
+static void assert_same_compact(const fixture *opened, const svo_edit *edit, unsigned depth,
+                                const svo_plan_options *options, const svo_compact_options *asked)
+{
+    svo_tree *tree = NULL;
+    svo_compact *made[2] = {NULL, NULL};
+    svo_compact_info infos[2] = {SVO_COMPACT_INFO_INIT, SVO_COMPACT_INFO_INIT};
+    char hashes[2][SVO_HASH_TEXT_BYTES];
+    succeed(opened, svo_edit_commit_compact(edit, opened->device, depth, options, asked, opened->queue, &made[0]));
+    succeed(opened, svo_edit_commit(edit, opened->device, depth, options, opened->queue, &tree, NULL));
+    succeed(opened, svo_compact_create(opened->device, tree, asked, opened->queue, &made[1]));
+    for (int i = 0; i < 2; ++i) {
+        assert_int_equal(svo_compact_get_info(made[i], &infos[i]), SVO_OK);
+        succeed(opened, svo_compact_download(made[i], opened->queue));
+        assert_int_equal(svo_compact_hash(made[i], hashes[i]), SVO_OK);
+        svo_compact_destroy(&made[i]);
+    }
+    assert_memory_equal(&infos[0], &infos[1], sizeof infos[0]);
+    assert_string_equal(hashes[0], hashes[1]);
+    svo_tree_destroy(&tree);
+}
+
+/* Whether payload differs between nodes decides about places; full cubes are written as one; with what is left out,
+   with payload of a few levels, and where the way goes by a tree. */
+static void compact_trees_are_those_of_trees(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    for (variety differs = ONE_OF_EACH; differs <= ALL_DIFFER; ++differs) {
+        svo_voxels *list = random_list(5 + (uint64_t)differs, differs);
+        svo_edit *edit = make_edit(list, NULL);
+        svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+        svo_compact_options asked = {.struct_size = sizeof asked, .form = SVO_FORM_SHARED};
+        assert_same_compact(&opened, edit, 0, NULL, &asked);
+        options.payload_level = 5; /* within the cube of 16 * 16 * 8 */
+        assert_same_compact(&opened, edit, 8, &options, &asked);
+        asked.leave_out = SVO_NEED_COLOR;
+        assert_same_compact(&opened, edit, 0, NULL, &asked);
+        asked.leave_out = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_MATERIAL;
+        assert_same_compact(&opened, edit, 0, &options, &asked);
+        options.fragment_capacity = 100;
+        assert_same_compact(&opened, edit, 0, &options, &asked);
+        asked.minimize = 1;
+        assert_same_compact(&opened, edit, 0, NULL, &asked);
+        asked = (svo_compact_options){.struct_size = sizeof asked, .form = SVO_FORM_DESCRIPTOR};
+        assert_same_compact(&opened, edit, 0, NULL, &asked);
+        svo_edit_destroy(&edit);
+        svo_voxels_destroy(&list);
+    }
+    random_edit r; /* with normals */
+    const svo_compact_options asked = {.struct_size = sizeof asked, .form = SVO_FORM_SHARED};
+    random_open(21, true, true, &r);
+    assert_same_compact(&opened, r.edit, 0, NULL, &asked);
+    svo_compact *compact = NULL;
+    const svo_compact_options wrong = {.struct_size = sizeof wrong, .form = SVO_FORM_COUNT};
+    assert_int_equal(svo_edit_commit_compact(r.edit, opened.device, 0, NULL, &wrong, NULL, &compact),
+                     SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(svo_device_message(opened.device), "svo_edit_commit_compact: options.form"));
+    assert_int_equal(svo_edit_commit_compact(r.edit, opened.device, 3, NULL, &asked, NULL, &compact),
+                     SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(svo_device_message(opened.device), "svo_edit_commit_compact: depth 3 is not in"));
+    random_close(&r);
 }
 
 static void commits_can_be_stopped(void **state)
@@ -1136,6 +1422,9 @@ TEST_GROUP(edit)
         cmocka_unit_test(lists_keep_their_place_and_properties),
         cmocka_unit_test(empty_edits_have_lists_and_trees),
         cmocka_unit_test(commits_are_builds),
+        cmocka_unit_test(commits_have_the_normals_of_builds),
+        cmocka_unit_test(voxels_of_meshes_keep_their_normals),
+        cmocka_unit_test(compact_trees_are_those_of_trees),
         cmocka_unit_test(commits_can_be_stopped),
         cmocka_unit_test(mirrors_show_what_is_committed),
         cmocka_unit_test(nodes_of_mirrors_differ_by_their_level),

@@ -15,6 +15,7 @@
 
 #include "support/work_folder.h"
 #include "svocl/compact.h"
+#include "svocl/edit.h"
 #include "svocl/io.h"
 #include "svocl/parts.h"
 #include "svocl/voxel_files.h"
@@ -128,6 +129,10 @@ static void pin_list(pins *all, const char *name, const svo_voxels *list)
              info.origin[2], info.voxel_edge);
     (void)snprintf(part, sizeof part, "%s, in order", name);
     pin_digest(all, part, svo_voxels_get(list), (size_t)info.voxel_count * sizeof(svo_voxel));
+    if (svo_voxels_get_normals(list) != NULL) {
+        (void)snprintf(part, sizeof part, "%s, normals", name);
+        pin_digest(all, part, svo_voxels_get_normals(list), (size_t)info.voxel_count * 3 * sizeof(int16_t));
+    }
     const svo_voxel_property *properties = svo_voxels_get_properties(list);
     for (size_t i = 0; i < info.property_count; ++i) {
         used += (size_t)snprintf(text + used, sizeof text - used, "%u %s %s, ", (unsigned)properties[i].material,
@@ -143,6 +148,49 @@ static svo_tree *build_list(const pins *all, const svo_voxels *list)
     pin_succeed(all, svo_voxels_build(all->opened.device, list, 0, NULL, all->opened.queue, &tree, NULL));
     pin_succeed(all, svo_tree_download(tree, all->opened.queue));
     return tree;
+}
+
+/* What a few steps make of the leaves, with one of them undone. */
+static void pin_edit(pins *all, const svo_voxels *leaves)
+{
+    static const svo_edit_step steps[] = {
+        {.verb = SVO_EDIT_SET,
+         .shape = SVO_EDIT_SPHERE,
+         .rgba = {200, 30, 9, 255},
+         .begin = {9.5, 3.25, 4},
+         .radius = 3.5},
+        {.verb = SVO_EDIT_CLEAR, .shape = SVO_EDIT_BOX, .begin = {4, 0, 0}, .end = {7, 16, 16}},
+        {.verb = SVO_EDIT_ADD,
+         .shape = SVO_EDIT_CAPSULE,
+         .material = 3,
+         .begin = {1, 2, 3},
+         .end = {14, 9, 12},
+         .radius = 2},
+        {.verb = SVO_EDIT_PAINT, .shape = SVO_EDIT_SPHERE, .rgba = {9, 9, 9, 255}, .begin = {8, 8, 8}, .radius = 6},
+        {.verb = SVO_EDIT_SET, .shape = SVO_EDIT_BOX, .begin = {2, 11, 2}, .end = {9, 14, 5}}};
+    const int32_t offset[3] = {3, 5, -2};
+    svo_edit *edit = NULL;
+    svo_tree *tree = NULL;
+    svo_voxels *edited = NULL;
+    svo_message message = {""};
+    told(svo_edit_create(leaves, NULL, &edit, &message), &message);
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0]; ++i) {
+        svo_edit_step step = steps[i];
+        step.struct_size = sizeof step;
+        told(svo_edit_apply(edit, &step, &message), &message);
+    }
+    told(svo_edit_undo(edit), &(svo_message){"nothing to undo"});
+    svo_edit_step region = steps[0]; /* the sphere and what is in it */
+    region.struct_size = sizeof region;
+    told(svo_edit_copy(edit, &region, offset, &message), &message);
+    told(svo_edit_get_voxels(edit, &edited, &message), &message);
+    pin_list(all, "edited", edited);
+    pin_succeed(all, svo_edit_commit(edit, all->opened.device, 0, NULL, all->opened.queue, &tree, NULL));
+    pin_succeed(all, svo_tree_download(tree, all->opened.queue));
+    pin_tree(all, "edited tree", tree);
+    svo_tree_destroy(&tree);
+    svo_voxels_destroy(&edited);
+    svo_edit_destroy(&edit);
 }
 
 void pin_voxels(pins *all)
@@ -168,6 +216,7 @@ void pin_voxels(pins *all)
         pin_begin(all, "%s", all->scenes[s].name);
         told(svo_tree_get_voxels(tree, &leaves, &message), &message);
         pin_list(all, "leaves", leaves);
+        pin_edit(all, leaves);
         svo_voxels_destroy(&leaves);
         svo_tree_destroy(&tree);
     }

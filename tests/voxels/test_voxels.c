@@ -61,6 +61,14 @@ static void fill_random(uint64_t seed, svo_voxel voxels[COUNT])
     }
 }
 
+/* A normal that the voxel's color tells, so that it is known wherever the voxel goes. */
+static void normal_of(const svo_voxel *voxel, int16_t normal[3])
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        normal[axis] = (int16_t)((voxel->rgba[axis] - 128) * 147);
+    }
+}
+
 static svo_voxels *make_random(uint64_t seed)
 {
     svo_voxel voxels[COUNT];
@@ -69,6 +77,30 @@ static svo_voxels *make_random(uint64_t seed)
     source.voxels = voxels;
     source.voxel_count = COUNT;
     return make(&source);
+}
+
+static svo_voxels *make_random_with_normals(uint64_t seed)
+{
+    svo_voxel voxels[COUNT];
+    int16_t normals[3 * COUNT];
+    fill_random(seed, voxels);
+    for (int i = 0; i < COUNT; ++i) {
+        normal_of(&voxels[i], normals + 3 * (size_t)i);
+    }
+    svo_voxels_source source = SVO_VOXELS_SOURCE_INIT;
+    source.voxels = voxels;
+    source.voxel_count = COUNT;
+    source.normals = normals;
+    return make(&source);
+}
+
+static void check_normals(const svo_voxels *voxels)
+{
+    for (size_t i = 0; i < info_of(voxels).voxel_count; ++i) {
+        int16_t normal[3];
+        normal_of(&svo_voxels_get(voxels)[i], normal);
+        assert_memory_equal(svo_voxels_get_normals(voxels) + 3 * i, normal, sizeof normal);
+    }
 }
 
 static svo_tree *build(const fixture *opened, const svo_voxels *voxels, unsigned depth, const svo_plan_options *options)
@@ -192,6 +224,7 @@ static void lists_refuse_what_is_out_of_range(void **state)
 typedef struct sums {
     uint64_t code, count, materials[4]; /* materials: of 0, 1000, 2000, 3000 */
     uint64_t color[4]; /* red, green and blue times alpha */
+    int64_t normal[3];
 } sums;
 
 /* Sums the voxels of each node of a level; voxels are sorted by code. Returns how many nodes there are. */
@@ -212,6 +245,9 @@ static size_t sum_level(const svo_voxels *voxels, uint32_t shift, sums *nodes)
         for (int channel = 0; channel < 4; ++channel) {
             nodes[count - 1].color[channel] += voxel->rgba[channel] * (channel < 3 ? voxel->rgba[3] : 1U);
         }
+        for (size_t axis = 0; axis < 3; ++axis) {
+            nodes[count - 1].normal[axis] += svo_voxels_get_normals(voxels)[3 * i + axis];
+        }
     }
     return count;
 }
@@ -228,6 +264,10 @@ static void check_node(const svo_tree *tree, const svo_tree_arrays *arrays, uint
         heaviest = expected->materials[m] > expected->materials[heaviest] ? m : heaviest;
     }
     assert_int_equal(arrays->materials[node.index], 1000 * heaviest);
+    for (size_t axis = 0; axis < 3; ++axis) {
+        const double mean = (double)expected->normal[axis] / (double)expected->count;
+        assert_int_equal(arrays->normals[3 * (size_t)node.index + axis], (int)floor(mean + 0.5));
+    }
     for (int channel = 0; channel < 4; ++channel) {
         const uint64_t by = channel < 3 && expected->color[3] > 0 ? expected->color[3] : expected->count;
         const uint64_t rounded = (2 * expected->color[channel] + by) / (2 * by);
@@ -242,10 +282,15 @@ static void check_node(const svo_tree *tree, const svo_tree_arrays *arrays, uint
 static void trees_have_the_means_of_their_voxels(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
-    svo_voxels *voxels = make_random(2);
+    svo_voxels *voxels = make_random_with_normals(2);
     svo_tree *tree = build(&opened, voxels, 0, NULL);
     svo_tree_info info = SVO_TREE_INFO_INIT;
     svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
+    svo_voxels *leaves = NULL;
+    check_normals(voxels);
+    assert_int_equal(svo_tree_get_voxels(tree, &leaves, NULL), SVO_OK);
+    check_normals(leaves);
+    svo_voxels_destroy(&leaves);
     sums *nodes = calloc(COUNT, sizeof *nodes);
     assert_non_null(nodes);
     assert_int_equal(svo_tree_get_info(tree, &info), SVO_OK);
@@ -514,6 +559,11 @@ static void arguments_are_checked(void **state)
     expect_no_plan(&opened, some, 17, NULL, "depth 17 is not in 6 .. 16, or 0");
     options.need = SVO_NEED_NORMAL;
     expect_no_plan(&opened, some, 0, &options, "options.need 0x2 is not made of color and material, or none");
+    expect_no_plan(&opened, some, 0, &options, "none; the voxels have no normals");
+    options.updatable = 1;
+    svo_voxels *with_normals = make_random_with_normals(8);
+    expect_no_plan(&opened, with_normals, 0, &options, "options.need has normal, and options.updatable is not 0");
+    svo_voxels_destroy(&with_normals);
     options = (svo_plan_options)SVO_PLAN_OPTIONS_INIT;
     options.edge = 1.0;
     expect_no_plan(&opened, some, 0, &options, "options.edge is not 0");

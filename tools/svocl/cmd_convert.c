@@ -310,7 +310,7 @@ static const voxel_input *list_of(const conversion *done)
 }
 
 /* Parts of a list that a format may not hold. */
-#define PARTS_MAX 5
+#define PARTS_MAX 6
 
 /* Whether voxels do not begin at whole multiples of their width. */
 static bool is_between(const svo_voxels_info *list)
@@ -348,10 +348,12 @@ static size_t find_left_out(const conversion *done, const char *out[PARTS_MAX])
     const bool vdb = format == SVO_VOXEL_FORMAT_VDB;
     const bool faces = done->written.voxel_faces > 0;
     const char *const parts[PARTS_MAX] = {
-        colors && (binvox || bt) ? "colors" : NULL, alpha && (binvox || svx || obj || bt || vdb) ? "alpha" : NULL,
+        colors && (binvox || bt) ? "colors" : NULL,
+        alpha && (binvox || svx || obj || bt || vdb) ? "alpha" : NULL,
         list->material_count > 1 && (binvox || obj || bt || faces || (svx && list->material_count > 256)) ? "materials"
                                                                                                           : NULL,
         list->property_count > 0 && !vox ? "properties of materials" : NULL,
+        svo_voxels_get_normals(list_of(done)->voxels) != NULL ? "normals" : NULL,
         moved && vox             ? "the place and the width of voxels"
         : bt && is_between(list) ? "the places between whole multiples of the width"
                                  : NULL};

@@ -221,24 +221,34 @@ static int write_file(program *state, editing *done)
     return output_commit(state, &file);
 }
 
+static svo_plan_options tree_options(const program *state)
+{
+    const options *given = &state->options;
+    return (svo_plan_options){.struct_size = sizeof(svo_plan_options),
+                              .need = given->need,
+                              .payload_level = (uint32_t)given->payload_level,
+                              .progress = state->progress != NULL ? job_show_progress : NULL,
+                              .progress_user = state->progress};
+}
+
+static unsigned depth_of(const program *state)
+{
+    return state->options.has_depth ? (unsigned)state->options.depth : 0;
+}
+
 /* Without kernels, unless a builder is asked for. */
 static int make_tree(program *state, editing *done)
 {
     build_result *result = &done->made.result;
     const session *opened = &done->made.opened;
-    const options *given = &state->options;
-    const svo_plan_options asked = {.struct_size = sizeof asked,
-                                    .need = given->need,
-                                    .payload_level = (uint32_t)given->payload_level,
-                                    .progress = state->progress != NULL ? job_show_progress : NULL,
-                                    .progress_user = state->progress};
-    if (given->has_builder) {
+    const svo_plan_options asked = tree_options(state);
+    if (state->options.has_builder) {
         const int exit_code = list_voxels(state, done);
-        return exit_code == PROGRAM_DONE ? job_build(state, given->need, &done->made) : exit_code;
+        return exit_code == PROGRAM_DONE ? job_build(state, state->options.need, &done->made) : exit_code;
     }
     progress_step(state->progress, "writing the tree");
-    if (svo_edit_commit(done->edit, opened->device, given->has_depth ? (unsigned)given->depth : 0, &asked,
-                        opened->queue, &result->tree, NULL) != SVO_OK ||
+    if (svo_edit_commit(done->edit, opened->device, depth_of(state), &asked, opened->queue, &result->tree, NULL) !=
+            SVO_OK ||
         svo_tree_download(result->tree, opened->queue) != SVO_OK) {
         return program_fail_library(state, svo_device_message(opened->device));
     }
@@ -247,18 +257,44 @@ static int make_tree(program *state, editing *done)
     return PROGRAM_DONE;
 }
 
+/* A compact tree at once, whose nodes are those of the tree. */
+static int make_compact(program *state, editing *done)
+{
+    const session *opened = &done->made.opened;
+    const svo_plan_options asked = tree_options(state);
+    const svo_compact_options form = tree_form_options(&state->options);
+    svo_compact_info info = SVO_COMPACT_INFO_INIT;
+    progress_step(state->progress, "writing the tree");
+    if (svo_edit_commit_compact(done->edit, opened->device, depth_of(state), &asked, &form, opened->queue,
+                                &done->compact) != SVO_OK) {
+        return program_fail_library(state, svo_device_message(opened->device));
+    }
+    (void)svo_compact_get_info(done->compact, &info);
+    done->made.result.info = (svo_tree_info){
+        .depth = info.depth, .leaf_count = info.leaf_count, .node_count = info.inner_count + info.leaf_count};
+    return tree_form_pack(state, opened, &done->compact);
+}
+
+static int make_output(program *state, editing *done)
+{
+    const session *opened = &done->made.opened;
+    const bool is_direct = !state->options.has_builder && tree_form_options(&state->options).minimize == 0;
+    int exit_code = done->to == OUTPUT_COMPACT && is_direct ? make_compact(state, done) : make_tree(state, done);
+    if (exit_code == PROGRAM_DONE && done->to == OUTPUT_COMPACT && done->compact == NULL) {
+        exit_code = tree_form_make(state, opened, done->made.result.tree, &done->compact);
+    }
+    return exit_code != PROGRAM_DONE || done->compact == NULL ||
+                   svo_compact_download(done->compact, opened->queue) == SVO_OK
+               ? exit_code
+               : program_fail_library(state, svo_device_message(opened->device));
+}
+
 static int write_tree(program *state, editing *done)
 {
     job *made = &done->made;
     int exit_code = made->opened.device != NULL ? PROGRAM_DONE : session_open(state, &made->opened);
     if (exit_code == PROGRAM_DONE) {
-        exit_code = make_tree(state, done);
-    }
-    if (exit_code == PROGRAM_DONE && done->to == OUTPUT_COMPACT) {
-        exit_code = tree_form_make(state, &made->opened, made->result.tree, &done->compact);
-        if (exit_code == PROGRAM_DONE && svo_compact_download(done->compact, made->opened.queue) != SVO_OK) {
-            exit_code = program_fail_library(state, svo_device_message(made->opened.device));
-        }
+        exit_code = make_output(state, done);
     }
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
@@ -340,7 +376,8 @@ static int check_arguments(program *state, const editing *done)
         return program_fail(state, PROGRAM_WRONG_USAGE,
                             "%s is no file of voxels or of a tree; svocl convert makes one of a mesh", given->input);
     }
-    int exit_code = voxel_input_check_options(state, given->need);
+    const uint32_t of_trees_alone = input_is_tree(state) ? (uint32_t)SVO_NEED_NORMAL : 0u;
+    int exit_code = voxel_input_check_options(state, given->need & ~of_trees_alone);
     if (exit_code == PROGRAM_DONE && done->to == OUTPUT_VOXELS) {
         exit_code = options_refuse(state, of_trees, "to OUT that holds voxels");
     }

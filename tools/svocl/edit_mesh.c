@@ -11,28 +11,45 @@
 
 /* ---- its place ---- */
 
-/* The mesh with positions of its own: scaled, turned, moved. *positions: to be freed. */
-static int place(program *state, const svo_mesh *mesh, const script_mesh *at, svo_mesh *out, double **positions)
+/* Positions and normals of a mesh that is placed; both are freed. */
+typedef struct placed_arrays {
+    double *positions;
+    float *normals; /* NULL where the mesh has none */
+} placed_arrays;
+
+static double turned(const double row[3], const double from[3])
+{
+    return row[0] * from[0] + row[1] * from[1] + row[2] * from[2];
+}
+
+/* The mesh with arrays of its own: scaled, turned, moved. */
+static int place(program *state, const svo_mesh *mesh, const script_mesh *at, svo_mesh *out, placed_arrays *own)
 {
     *out = *mesh;
-    *positions = malloc((mesh->vertex_count + 1) * 3 * sizeof **positions);
-    if (*positions == NULL) {
+    own->positions = malloc((mesh->vertex_count + 1) * 3 * sizeof *own->positions);
+    own->normals = mesh->normals != NULL ? malloc((mesh->vertex_count + 1) * 3 * sizeof *own->normals) : NULL;
+    if (own->positions == NULL || (own->normals == NULL && mesh->normals != NULL)) {
         return program_fail(state, PROGRAM_FAILED, "no memory for the vertices of %s", state->options.input);
     }
     for (size_t i = 0; i < mesh->vertex_count; ++i) {
         double from[3];
+        double normal[3] = {0.0, 0.0, 0.0};
         for (size_t axis = 0; axis < 3; ++axis) {
+            normal[axis] = mesh->normals != NULL ? (double)mesh->normals[3 * i + axis] : 0.0;
             from[axis] = mesh->positions_double != NULL ? mesh->positions_double[3 * i + axis]
                                                         : (double)mesh->positions[3 * i + axis];
         }
         for (size_t axis = 0; axis < 3; ++axis) {
             const double *row = at->turn[axis];
-            (*positions)[3 * i + axis] =
-                at->at[axis] + at->scale * (row[0] * from[0] + row[1] * from[1] + row[2] * from[2]);
+            own->positions[3 * i + axis] = at->at[axis] + at->scale * turned(row, from);
+            if (own->normals != NULL) {
+                own->normals[3 * i + axis] = (float)turned(row, normal);
+            }
         }
     }
     out->positions = NULL;
-    out->positions_double = *positions;
+    out->positions_double = own->positions;
+    out->normals = own->normals;
     return PROGRAM_DONE;
 }
 
@@ -63,7 +80,8 @@ static int build(program *state, const session *opened, const svo_mesh *mesh, co
     svo_plan *plan = NULL;
     svo_message message = {""};
     unsigned depth = 0;
-    planned.need = (uint32_t)SVO_NEED_RAYS | (step->has_color ? 0u : (uint32_t)SVO_NEED_COLOR);
+    planned.need =
+        (uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_NORMAL | (step->has_color ? 0u : (uint32_t)SVO_NEED_COLOR);
     if (svo_mesh_voxel_grid(mesh, 1.0, planned.origin, &planned.edge, &depth, &message) != SVO_OK) {
         return program_fail_library(state, message.text);
     }
@@ -78,7 +96,7 @@ static int build(program *state, const session *opened, const svo_mesh *mesh, co
     return status == SVO_OK ? PROGRAM_DONE : program_fail_library(state, svo_device_message(opened->device));
 }
 
-/* The leaves, with the step's color, where it has one, and its material. */
+/* The leaves with their normals, the step's color, where it has one, and its material. */
 static svo_status list_leaves(const svo_tree *tree, const script_step *step, svo_voxels **out, svo_message *message)
 {
     svo_voxels *leaves = NULL;
@@ -101,7 +119,10 @@ static svo_status list_leaves(const svo_tree *tree, const script_step *step, svo
             memcpy(voxels[i].rgba, step->step.rgba, sizeof voxels[i].rgba);
         }
     }
-    const svo_voxels_source source = {.struct_size = sizeof source, .voxels = voxels, .voxel_count = info.voxel_count};
+    const svo_voxels_source source = {.struct_size = sizeof source,
+                                      .voxels = voxels,
+                                      .voxel_count = info.voxel_count,
+                                      .normals = svo_voxels_get_normals(leaves)};
     status = svo_voxels_create(&source, out, message);
 cleanup:
     free(voxels);
@@ -126,7 +147,7 @@ static int make(program *state, const edit_script *script, const script_step *st
 {
     input source;
     svo_mesh placed;
-    double *positions = NULL;
+    placed_arrays own = {NULL, NULL};
     svo_tree *tree = NULL;
     svo_message message = {""};
     svo_solid_info info = SVO_SOLID_INFO_INIT;
@@ -136,7 +157,7 @@ static int make(program *state, const edit_script *script, const script_step *st
     }
     exit_code = opened->device != NULL ? PROGRAM_DONE : session_open(state, opened);
     if (exit_code == PROGRAM_DONE) {
-        exit_code = place(state, source.mesh, &step->mesh, &placed, &positions);
+        exit_code = place(state, source.mesh, &step->mesh, &placed, &own);
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = build(state, opened, &placed, step, &tree, &info);
@@ -148,7 +169,8 @@ static int make(program *state, const edit_script *script, const script_step *st
         warn_open(state, script, step, &info);
     }
     svo_tree_destroy(&tree);
-    free(positions);
+    free(own.positions);
+    free(own.normals);
     input_close(&source);
     return exit_code;
 }

@@ -176,9 +176,9 @@ def integers(name: str, value: Any, dtype: Any, shape: Shape) -> Array:
         raise TypeError(f"{name}: dtype {array.dtype}, expected {wanted}, of shape {_words(shape)}")
     if array.dtype != wanted and array.size:
         low, high = int(array.min()), int(array.max())
-        limit = int(np.iinfo(wanted).max)
-        if low < 0 or high > limit:
-            raise ValueError(f"{name}: {low if low < 0 else high} is not in 0 .. {limit}")
+        least, limit = int(np.iinfo(wanted).min), int(np.iinfo(wanted).max)
+        if low < least or high > limit:
+            raise ValueError(f"{name}: {low if low < least else high} is not in {least} .. {limit}")
     return np.ascontiguousarray(array, dtype=wanted)
 
 

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Optional, Union
 
 import numpy as np
 
-from . import _arrays, _generated, _structs
+from . import _arrays, _generated, _opencl, _structs
 from ._callbacks import call
+from ._compact import Compact
 from ._errors import error, text
-from ._generated import EditVerb
+from ._generated import EditVerb, Form, Need
 from ._handle import Guard, Handle, Native
 from ._native import ffi, lib
 from ._tree import Tree
@@ -229,6 +230,40 @@ class Edit(Handle):
         """
         with self.voxels() as voxels:
             return voxels.build(device, depth, **options)
+
+    def compact(
+        self,
+        device: "Device",
+        depth: int = 0,
+        form: Form = Form.DESCRIPTOR,
+        *,
+        leave_out: Need = Need(0),
+        minimize: bool = False,
+        queue: Any = None,
+    ) -> Compact:
+        """The compact tree of the voxels, with the bytes of Compact of Edit.build. It is made without a list, and in
+        Form.SHARED without a tree on the device.
+
+        Args:
+            device, depth: see Voxels.plan.
+            form, leave_out, minimize, queue: see Compact.
+        """
+        options = _structs.new("svo_compact_options")
+        options.form, options.minimize = Form(form), bool(minimize)
+        options.leave_out = _arrays.integer("leave_out", leave_out)
+        number = _arrays.integer("depth", depth)
+        if not isinstance(device, Handle):
+            raise TypeError(f"device: {type(device).__name__}, expected svocl.Device")
+        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        out = ffi.new("svo_compact **")
+        made = Compact.__new__(Compact)
+        with device._use() as at, self._use() as pointer:
+            arguments = (pointer, at, number, ffi.NULL, options, cl_queue, out)
+            status = call(lib.svo_edit_commit_compact, *arguments, undo=lambda: lib.svo_compact_destroy(out))
+            if status != lib.SVO_OK:
+                raise error(status, device._native.device_message())
+            made._adopt(out[0], device._native)
+        return made
 
     # --- shared -----------------------------------------------------------------------------------------------------
 

@@ -86,6 +86,8 @@ class Voxels(Handle):
         properties: of materials, texts by key: {material: {key: value}}.
         origin: (3,) world position of the least corner of voxel (0, 0, 0).
         voxel_edge: width of a voxel, world units, above 0.
+        normals: (voxel_count, 3) int16 of the voxels, in 32767ths, of a length of at most 1; 0, 0, 0: none of that
+            voxel. None: the voxels have no normals.
 
     Attributes:
         file_info: what the file holds, of a list from Voxels.load or Voxels.load_parts; else None.
@@ -108,6 +110,7 @@ class Voxels(Handle):
         properties: Optional[Mapping[int, Mapping[str, str]]] = None,
         origin: Sequence[float] = (0.0, 0.0, 0.0),
         voxel_edge: float = 1.0,
+        normals: Optional[_arrays.Array] = None,
     ) -> None:
         records = _arrays.exact_records("voxels", voxels, _arrays.voxel_dtype, "voxel_dtype")
         if not voxel_edge > 0:  # in C, 0 is 1
@@ -124,6 +127,10 @@ class Voxels(Handle):
                 texts = [ffi.new("char[]", part.encode()) for part in (key, value)]
                 kept += texts
                 rows.append((_arrays.integer("material", material), *texts))
+        if normals is not None:
+            of_voxels = _arrays.integers("normals", normals, np.int16, (records.size, 3))
+            kept.append(of_voxels)
+            source.normals = ffi.cast("int16_t *", of_voxels.ctypes.data)
         source.properties = list_of_rows = ffi.new("svo_voxel_property[]", rows)
         source.property_count = len(rows)
         self._create(lib.svo_voxels_create, source)
@@ -467,6 +474,18 @@ class Voxels(Handle):
         return np.empty(0, np.uint64) if found is None else found
 
     @property
+    def normals(self) -> Optional[_arrays.Array]:
+        """(voxel_count, 3) int16, in the order of Voxels.records, in 32767ths, read-only and valid when the list is
+        closed; 0, 0, 0: none of that voxel. None: the voxels have no normals."""
+        count = self.info.voxel_count
+        with self._use() as pointer:
+            address = lib.svo_voxels_get_normals(pointer)
+            if address == ffi.NULL:
+                return None
+            found = view(self._native, address, np.int16, (count, 3))
+        return np.empty((0, 3), np.int16) if found is None else found
+
+    @property
     def properties(self) -> dict[int, dict[str, str]]:
         """The properties of materials: {material: {key: value}}."""
         count = self.info.property_count
@@ -518,6 +537,7 @@ class Voxels(Handle):
         call(lib.svo_voxels_get_info, pointer, info)
         source = _structs.new("svo_voxels_source")
         source.voxels, source.voxel_count = lib.svo_voxels_get(pointer), info.voxel_count
+        source.normals = lib.svo_voxels_get_normals(pointer)
         source.properties, source.property_count = lib.svo_voxels_get_properties(pointer), info.property_count
         source.origin, source.voxel_edge = info.origin, info.voxel_edge
         made = cls.__new__(cls)

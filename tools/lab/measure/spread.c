@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static int compare_doubles(const void *a, const void *b)
 {
@@ -37,6 +38,12 @@ spread spread_of(double *values, size_t count)
                     .high = spread_quantile(values, count, 0.75)};
 }
 
+double spread_median(const double *values, size_t count, double *scratch)
+{
+    memcpy(scratch, values, count * sizeof *values);
+    return spread_of(scratch, count).median;
+}
+
 void spread_add_columns(result_table *table, const char *name, const char *unit)
 {
     static const char *const suffixes[] = {"", " q1", " q3"};
@@ -52,6 +59,15 @@ void spread_add(result_table *table, spread measured)
     result_add_number(table, measured.median);
     result_add_number(table, measured.low);
     result_add_number(table, measured.high);
+}
+
+void spread_add_ratio(result_table *table, const double *other_ms, const double *ms, size_t round_count,
+                      double *scratch)
+{
+    for (size_t round = 0; round < round_count; ++round) {
+        scratch[round] = other_ms[round] / ms[round];
+    }
+    spread_add(table, spread_of(scratch, round_count));
 }
 
 /* ---- rounds ---- */

@@ -18,12 +18,17 @@ typedef struct spread {
 spread spread_of(double *values, size_t count);
 /* The quantile of sorted values at a fraction, 0 .. 1. count: above 0. */
 double spread_quantile(const double *sorted, size_t count, double fraction);
+/* The median of values that stay as they are. scratch: count. */
+double spread_median(const double *values, size_t count, double *scratch);
 /* Nothing measured. */
 spread spread_none(void);
 
 /* Three columns: name, "name q1", "name q3". */
 void spread_add_columns(result_table *table, const char *name, const char *unit);
 void spread_add(result_table *table, spread measured);
+/* Rates relative to another's, round by round. scratch: round_count. */
+void spread_add_ratio(result_table *table, const double *other_ms, const double *ms, size_t round_count,
+                      double *scratch);
 
 typedef struct interleaved_method {
     double (*work_ms)(void *user); /* does the work once; returns its milliseconds, below 0 on failure */
