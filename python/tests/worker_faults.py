@@ -25,7 +25,8 @@ _count = 0
 def _is_due(work):
     global _count
     _count += 1
-    if not {"signal", "damage"} & set(_fault) or not (_fault.get("at") == str(_count) or _fault.get("name") == work.name):
+    is_chosen = _fault.get("at") == str(_count) or _fault.get("name") == work.name
+    if not is_chosen or not {"signal", "damage"} & set(_fault):
         return False
     try:
         if "once" in _fault:

@@ -275,13 +275,8 @@ static void plans_move_to_the_device_after_enough_triangles(void **state)
     const struct {
         const scene *made;
         svo_place place;
-    } steps[] = {{small, SVO_PLACE_HOST},
-                 {least, SVO_PLACE_HOST},
-                 {large, SVO_PLACE_HOST}, /* 131,072 triangles each */
-                 {large, SVO_PLACE_HOST},
-                 {large, SVO_PLACE_HOST},
-                 {large, SVO_PLACE_DEVICE},
-                 {small, SVO_PLACE_DEVICE},
+    } steps[] = {{small, SVO_PLACE_HOST}, {least, SVO_PLACE_HOST}, {large, SVO_PLACE_HOST}, /* 131,072 triangles each */
+                 {large, SVO_PLACE_HOST}, {large, SVO_PLACE_HOST}, {large, SVO_PLACE_DEVICE}, {small, SVO_PLACE_DEVICE},
                  {least, SVO_PLACE_HOST}};
     for (size_t i = 0; i < sizeof steps / sizeof steps[0]; ++i) {
         svo_plan *plan = NULL;
