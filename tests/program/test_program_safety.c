@@ -390,7 +390,7 @@ static void wrong_numbers_are_wrong_usage(void **state)
     /* This one would do for the least part, did it have fewer triangles. */
     run_badly("$SVOCL build scene:knot:4000 -d 4 --max-memory 20000 -o a.svo", 2, "--max-memory 20000 is too small");
     expect_files(NULL, 0);
-    run_badly("$SVOCL build scene:statue -d 16", 1, "svocl build --max-memory builds it in parts");
+    run_badly("$SVOCL build scene:cube -d 16", 1, "svocl build --max-memory builds it in parts");
     assert_true(strstr(last.errors, "iB at depth 16") != NULL || strstr(last.errors, "fragments at depth 16") != NULL);
 }
 
