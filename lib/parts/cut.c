@@ -215,11 +215,31 @@ static void free_plans(cutter *c)
     }
 }
 
+svo_status svo_i_cut_refuse_limit(const svo_parts *parts, svo_message *message)
+{
+    return svo_i_fail(message, SVO_CAPACITY_EXCEEDED,
+                      "svo_parts_create: max_bytes %llu is too small for the least part",
+                      (unsigned long long)parts->max_bytes);
+}
+
+/* Whether a part of eight voxels fits with one triangle. Otherwise no division ends, and each of them writes files. */
+static svo_status check_limit(cutter *c)
+{
+    const svo_i_cell_sums one = {.count = 1};
+    uint64_t bytes = 0;
+    bool fit = false;
+    SVO_I_TRY(fits(c, c->parts->header.depth - 1, &one, &fit, &bytes));
+    return bytes <= c->parts->max_bytes ? SVO_OK : svo_i_cut_refuse_limit(c->parts, c->message);
+}
+
 svo_status svo_i_cut_make(const svo_parts *parts, svo_device *device, const svo_i_cell_list *list, svo_i_cut *cut,
                           svo_message *message)
 {
     cutter c = {.parts = parts, .device = device, .message = message, .list = list, .cut = cut};
-    const svo_status status = cut_at(&c, 0, 0);
+    svo_status status = check_limit(&c);
+    if (status == SVO_OK) {
+        status = cut_at(&c, 0, 0);
+    }
     free_plans(&c);
     return status;
 }

@@ -26,6 +26,8 @@ svo_status svo_i_cut_choose_limit(svo_parts *parts, svo_device *device, const sv
 /* How deep a histogram is worth it: parts of triangles, or of one surface that fills its cell. triangles: of the mesh,
    or more. */
 uint32_t svo_i_cut_level(const svo_parts *parts, unsigned depth, uint64_t triangles);
+/* What is said of a limit that no part fits. */
+svo_status svo_i_cut_refuse_limit(const svo_parts *parts, svo_message *message);
 /* parts: header, limit and fields are set. list: with totals. cut: all zero; to be freed also after a failure. */
 svo_status svo_i_cut_make(const svo_parts *parts, svo_device *device, const svo_i_cell_list *list, svo_i_cut *cut,
                           svo_message *message);

@@ -212,9 +212,7 @@ static svo_status plan_children(const planner *p, uint32_t level, uint64_t code)
 {
     uint64_t counts[8];
     if (level + 1 >= p->parts->header.depth) {
-        return svo_i_fail(p->message, SVO_CAPACITY_EXCEEDED,
-                          "svo_parts_create: max_bytes %llu is too small for the least part",
-                          (unsigned long long)p->parts->max_bytes);
+        return svo_i_cut_refuse_limit(p->parts, p->message);
     }
     SVO_I_TRY(divide_part(p->parts, level, code, counts, p->message));
     char *path = svo_i_part_path(p->parts, level, code, "tri");

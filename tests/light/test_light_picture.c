@@ -501,7 +501,7 @@ static const uint32_t room_faces[18 * 3] = {0, 2, 1,  0, 3,  2, 0, 1, 5,  0, 5, 
 static void smoothing_keeps_rare_light(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
-    const svo_gather_options many = {.struct_size = sizeof many, .method = SVO_GATHER_RAYS, .paths = 1024};
+    const svo_gather_options many = {.struct_size = sizeof many, .method = SVO_GATHER_RAYS, .paths = 512};
     static uint8_t rgba[WIDTH * HEIGHT * 4];
     svo_render_options picture = picture_of(SVO_VIEW_INDIRECT);
     double sums[2] = {0, 0};

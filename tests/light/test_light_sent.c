@@ -256,7 +256,7 @@ static void emitters_light_rooms_for_cones(void **state)
     for (int k = 0; k < 4; ++k) {
         const bool of_all = k % 2 == 1;
         svo_light *light = light_of(&opened, tree, SVO_LIGHT_FACES);
-        const svo_gather_options paths = {.struct_size = sizeof paths, .paths = 4096, .bounces = of_all ? 64 : 1};
+        const svo_gather_options paths = {.struct_size = sizeof paths, .paths = 1024, .bounces = of_all ? 64 : 1};
         const svo_light_setup setup = {.struct_size = sizeof setup,
                                        .finishes = lamp,
                                        .finish_count = 2,

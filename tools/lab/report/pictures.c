@@ -18,19 +18,19 @@ typedef struct view {
     const char *scene, *quick_scene;
     unsigned depth, quick_depth;
     svo_render_view kind;
-    unsigned width, height;
+    unsigned width, height; /* half of them in quick reports */
     float nearness; /* of the camera: 0: the whole scene in view, 1: at its target */
     const char *name, *caption;
 } view;
 
 static const view views[PICTURES_MAX] = {
-    {"atrium", "atrium:17000", 10, 8, SVO_VIEW_SHADED, 1120, 700, 0.0f, "atrium",
+    {"atrium", "atrium:17000", 10, 7, SVO_VIEW_SHADED, 1120, 700, 0.0f, "atrium",
      "The atrium, shaded with each voxel's color and normal and one shadow ray."},
-    {"statue:120000", "statue:40000", 9, 8, SVO_VIEW_NORMAL, 520, 620, 0.0f, "normals",
+    {"statue:120000", "statue:10000", 9, 7, SVO_VIEW_NORMAL, 520, 620, 0.0f, "normals",
      "The statue's filtered normals; red, green and blue are x, y and z."},
-    {"statue:120000", "statue:40000", 9, 8, SVO_VIEW_STEPS, 520, 620, 0.0f, "steps",
+    {"statue:120000", "statue:10000", 9, 7, SVO_VIEW_STEPS, 520, 620, 0.0f, "steps",
      "Cells visited per ray, from blue to red at 64."},
-    {"statue:120000", "statue:40000", 11, 10, SVO_VIEW_LEVEL, 520, 620, 0.72f, "levels",
+    {"statue:120000", "statue:10000", 11, 9, SVO_VIEW_LEVEL, 520, 620, 0.72f, "levels",
      "The level at which each ray stopped, one color per level: a ray stops at a node smaller than a pixel."},
 };
 
@@ -101,24 +101,24 @@ static void keep_bytes(void *user, void *bytes, int byte_count)
     fwrite(bytes, 1, (size_t)byte_count, user);
 }
 
-static int draw(const studio *at, const view *wanted, picture *out)
+static int draw(const studio *at, const view *wanted, unsigned width, unsigned height, picture *out)
 {
     svo_render_options render_options = {
-        .struct_size = sizeof render_options, .width = wanted->width, .height = wanted->height, .view = wanted->kind};
-    uint8_t *rgba = malloc((size_t)wanted->width * wanted->height * 4);
+        .struct_size = sizeof render_options, .width = width, .height = height, .view = wanted->kind};
+    uint8_t *rgba = malloc((size_t)width * height * 4);
     char *png = NULL;
     FILE *stream = open_memstream(&png, &out->png_bytes);
-    bool worked = svo_camera_fit(svo_tree_target(at->tree), (float)wanted->width / (float)wanted->height,
-                                 &render_options.camera) == SVO_OK;
+    bool worked =
+        svo_camera_fit(svo_tree_target(at->tree), (float)width / (float)height, &render_options.camera) == SVO_OK;
     approach(&render_options.camera, wanted->nearness);
     worked = worked && rgba != NULL && stream != NULL &&
              svo_render(svo_tree_target(at->tree), &render_options, svo_in_host(rgba),
                         &(svo_submit){.queue = at->opened.queue}) == SVO_OK;
     if (worked && (wanted->kind == SVO_VIEW_NORMAL || wanted->kind == SVO_VIEW_LEVEL)) {
-        cut_out(rgba, (size_t)wanted->width * wanted->height);
+        cut_out(rgba, (size_t)width * height);
     }
-    worked = worked && stbi_write_png_to_func(keep_bytes, stream, (int)wanted->width, (int)wanted->height, 4, rgba,
-                                              (int)wanted->width * 4) != 0;
+    worked =
+        worked && stbi_write_png_to_func(keep_bytes, stream, (int)width, (int)height, 4, rgba, (int)width * 4) != 0;
     worked = stream != NULL && fclose(stream) == 0 && worked;
     free(rgba);
     if (!worked) {
@@ -127,8 +127,8 @@ static int draw(const studio *at, const view *wanted, picture *out)
     }
     out->name = wanted->name;
     out->caption = wanted->caption;
-    out->width = wanted->width;
-    out->height = wanted->height;
+    out->width = width;
+    out->height = height;
     out->png = (unsigned char *)png;
     return PROGRAM_DONE;
 }
@@ -150,7 +150,8 @@ int pictures_make(program *state, bool quick, pictures *out)
         exit_code =
             build(&at, quick ? views[i].quick_scene : views[i].scene, quick ? views[i].quick_depth : views[i].depth);
         if (exit_code == PROGRAM_DONE) {
-            exit_code = draw(&at, &views[i], &out->list[i]);
+            const unsigned part = quick ? 2 : 1;
+            exit_code = draw(&at, &views[i], views[i].width / part, views[i].height / part, &out->list[i]);
             out->count += exit_code == PROGRAM_DONE;
         }
     }
