@@ -288,9 +288,8 @@ SVO_API svo_status svo_mesh_voxel_grid(const svo_mesh *mesh, double voxel_edge, 
  * \param depth SVO_DEPTH_MIN .. SVO_DEPTH_MAX; of a part: that of the whole tree, SVO_PARTS_DEPTH_MAX at most
  * \param options NULL means all defaults
  * \param out receives the plan
- * \returns SVO_INVALID_ARGUMENT (depth, options, missing arrays, a grid that cannot be scaled), SVO_CAPACITY_EXCEEDED
- *          (payload of a surface of more than 2^33 faces of voxels), SVO_OUT_OF_DEVICE_MEMORY (2^32 texels or more),
- *          SVO_CANCELED or SVO_OUT_OF_HOST_MEMORY on failure. */
+ * \returns SVO_INVALID_ARGUMENT (depth, options, missing arrays, a grid that cannot be scaled),
+ *          SVO_OUT_OF_DEVICE_MEMORY (2^32 texels or more), SVO_CANCELED or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned depth,
                                    const svo_plan_options *options, svo_plan **out);
 
@@ -298,7 +297,8 @@ SVO_API svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, uns
  *
  * \param plan of the whole mesh, not of a part
  * \param header receives the values
- * \returns SVO_INVALID_ARGUMENT (a plan of a part, a struct_size that is too small). */
+ * \returns SVO_INVALID_ARGUMENT (a plan of a part, a struct_size that is too small), SVO_CAPACITY_EXCEEDED (payload of
+ *          a surface of 2^34 faces of voxels or more, whose sums exceed 64 bits). */
 SVO_API svo_status svo_plan_get_part_header(const svo_plan *plan, svo_part_header *header);
 
 /** Makes a plan from a mesh in OpenCL buffers, by kernels: SVO_PLACE_DEVICE.

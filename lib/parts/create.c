@@ -189,15 +189,12 @@ static svo_status save_mesh(const svo_parts *parts, svo_plan *plan, svo_message 
 static svo_status plan_whole(svo_parts *parts, svo_device *device, const svo_mesh *mesh, unsigned depth,
                              const svo_plan_options *options, svo_plan **plan, svo_message *message)
 {
-    const svo_status status = svo_i_plan_of_parts(device, "svo_parts_create", mesh, depth, options, plan);
-    if (status != SVO_OK) {
-        return svo_i_fail(message, status, "%s", svo_device_message(device));
+    svo_status status = svo_i_plan_of_parts(device, "svo_parts_create", mesh, depth, options, plan);
+    if (status == SVO_OK) {
+        parts->header = (svo_part_header)SVO_PART_HEADER_INIT;
+        status = svo_plan_get_part_header(*plan, &parts->header);
     }
-    parts->header = (svo_part_header)SVO_PART_HEADER_INIT;
-    if (svo_plan_get_part_header(*plan, &parts->header) != SVO_OK) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_parts_create: options.part_header is not NULL");
-    }
-    return SVO_OK;
+    return status == SVO_OK ? SVO_OK : svo_i_fail(message, status, "%s", svo_device_message(device));
 }
 
 /* Fills a folder from a mesh in memory. */

@@ -185,8 +185,6 @@ static void find_constants(svo_plan *plan, const svo_i_findings *found)
    sum of all weights, where closed voxels count some area twice. */
 #define PAIR_LOG2_MAX  31
 #define TOTAL_LOG2_MAX 44
-/* The most faces whose weights are added up: in units of SVO_I_WEIGHT_LOG2_MIN, times 2^17 for normals, 2^63. */
-#define FACES_MAX 0x1p33
 /* Above sqrt(2), the largest area of a plane inside a voxel, in faces. */
 #define CUT_FACES_MAX 1.5
 
@@ -544,13 +542,6 @@ svo_status svo_i_plan_conclude(svo_plan *plan, const svo_i_findings *found)
         return SVO_OK;
     }
     find_constants(plan, found);
-    const double faces = ldexp(plan->estimate[2], -2 * (int)plan->voxel_log2);
-    if (faces > FACES_MAX && (plan->info.need & SVO_I_NEED_PAYLOAD) != 0) {
-        return svo_i_device_fail(plan->device, SVO_CAPACITY_EXCEEDED,
-                                 "%s: the surface is %.3g faces of voxels large, above the 2^33 whose payload adds up "
-                                 "to 64 bits; lower the depth, or need none",
-                                 plan->progress.function, faces);
-    }
     /* The areas of three projections are no less than the area. */
     const uint32_t finest = svo_i_plan_choose_weight_log2(plan, found->largest_area, plan->estimate[2]);
     plan->weight_log2 = asked != 0 ? asked : finest;

@@ -18,6 +18,10 @@
 
 /* ---- headers ---- */
 
+/* So many faces are too many above the parts: their weights, 2^SVO_I_WEIGHT_LOG2_MIN each or more, are multiplied by
+   2^17 there. */
+#define FACES_MAX 0x1p34
+
 /* Nodes that the mesh's area accounts for: on a level no more than its fragments of whole surfaces, or its cells. */
 static double expected_nodes(const svo_plan *plan)
 {
@@ -79,6 +83,16 @@ svo_status svo_plan_get_part_header(const svo_plan *plan, svo_part_header *heade
     }
     if (svo_i_plan_is_part(plan)) {
         return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "%s: the plan is that of a part", function);
+    }
+    /* What lies between closed voxels is in both. */
+    const int times_log2 = plan->info.coverage == SVO_COVERAGE_CLOSED ? 1 : 0;
+    const double faces = ldexp(plan->estimate[2], times_log2 - 2 * (int)plan->voxel_log2);
+    if (faces >= FACES_MAX && (plan->info.need & SVO_I_NEED_PAYLOAD) != 0) {
+        return svo_i_device_fail(
+            plan->device, SVO_CAPACITY_EXCEEDED,
+            "%s: the surface is %.3g faces of voxels large, and the payload of 2^34 no longer adds "
+            "up in 64 bits; lower the depth, or need none",
+            function, faces);
     }
     const svo_part_header made = header_of(plan);
     return svo_i_struct_write(&plan->device->message, function, "header", &made, header,
