@@ -452,7 +452,7 @@ static void a_trusted_driver_is_not_tested(void **state)
 /* The host makes plans in place of kernels that are wrong, and the same trees. It says so once. */
 static void plans_are_made_on_the_host_instead(void **state)
 {
-    static const recipe large = {"terrain:140000", 4, SVO_PATH_AUTO, {.need = SVO_NEED_COLOR}};
+    static const recipe large = {"terrain:525000", 4, SVO_PATH_AUTO, {.need = SVO_NEED_COLOR}};
     const fixture opened = fixture_cl_of_group(state);
     char hashes[3][SVO_HASH_TEXT_BYTES];
     uint32_t where = SVO_PLACE_DEFAULT;
