@@ -657,7 +657,7 @@ static const rule rules[] = {
     {"parts", '\0', OPTION_PARTS_CHECK, "FOLDER", read_text, FIELD(parts_path), 0, 0, NULL,
      "compare a folder of parts of INPUT, in regions here and there (the tree that is built of INPUT)"},
     {"sample", '\0', OPTION_PARTS_COMMAND | OPTION_PARTS_CHECK, "N", read_count, FIELD(sample), 1, UINT32_MAX, NULL,
-     "parts check: how many parts are checked, spread over the tree (all); verify --parts: how many regions (100)"},
+     "parts check: how many parts are checked, spread over the tree (all); verify: how many regions of parts (100)"},
     {"max-voxels", '\0', OPTION_UNFOLDED, "N", read_count, FIELD(max_voxels), 1, UINT32_MAX, NULL,
      "most voxels that a voxel file or a tree may unfold to, those of all levels (what memory holds)"},
     {"solid", '\0', OPTION_SOLID, "RULE", read_choice, FIELD(solid), 0, 0, solids,
