@@ -3,13 +3,14 @@
  * The forms of a compact tree: who makes the nodes, and how kernels read them.
  *
  * The room, each file after those that it uses:
- *   source    what encoders read: a tree's nodes, or those of a minimized one
- *   dag       records of the form "shared", on the host
- *   form      this: the forms
- *   packing   payload arrays to packed ones, on the host
- *   compact   plan, creation, expansion
- *   pack      payload of a compact tree packed, and read on the host
- *   rays      rays through compact trees, pictures, the caller's kernels
+ *   source          what encoders read: a tree's nodes, or those of a minimized one
+ *   dag             records of the form "shared", on the host
+ *   form            this: the forms
+ *   packing_blocks  how a block of packed payload is coded
+ *   packing         payload arrays to packed ones, on the host
+ *   compact         plan, creation, expansion
+ *   pack            payload of a compact tree packed, and read on the host
+ *   rays            rays through compact trees, pictures, the caller's kernels
  */
 #ifndef SVO_LIB_COMPACT_FORM_H
 #define SVO_LIB_COMPACT_FORM_H
