@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* Regions of a folder, chosen and compared. */
 #include "measure/parts_check.h"
 
 #include <math.h>
